@@ -18,9 +18,9 @@ from problems import CAPSULE_1, CAPSULE_3, CAPSULE_7, Worm, chain, module
 from rows import each_row
 from stickslip.dynamics.attractors import settled_motions as rule, starts_run_on
 from stickslip.dynamics.derivatives.tangents import jacobian_of, orders_differ
+from stickslip.dynamics.stroboscopic.differences import difference_jacobian
 from stickslip.dynamics.stroboscopic.strobe_maps import (
     coordinates,
-    difference_jacobian,
     flight,
     state_at_rest,
     strobe_map,

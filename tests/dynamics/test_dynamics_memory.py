@@ -3,16 +3,35 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
 
 import stickslip as ss
+from slipping_elements import oscillator
+from stickslip.basics.fields import replace_leaf
 from stickslip.dynamics.derivatives.tangents import jacobian_of
-from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, difference_jacobian, strobe_map, strobe_states
+from stickslip.dynamics.stroboscopic.differences import at_limits, difference_jacobian
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_map, strobe_states
+from stickslip.maths import where
 
 GMS = ss.GMS(0.15, 0.21, 0.18, 0.24, sigma0=4e5, v_s=2e-3, attraction=100.0, sigma2=0.04)
 RESET = ss.ResetIntegrator(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24, sigma0=4e5, sigma1=100.0)
+
+
+@dataclass(frozen=True)
+class Clipped:
+    """A spring whose deflection stays at its limit, written with `where` instead of a memory."""
+
+    limit: float
+    states = 1
+
+    def rate(self, v, z, load):
+        return v * where((abs(z) >= self.limit * load) & (v * z > 0), 0.0, 1.0)
+
+    def force(self, v, z, zdot, load):
+        return z
 
 
 def rig(law, amplitude=6e-4):
@@ -134,6 +153,49 @@ def test_following_along_an_axis_keeps_the_memory():
     first = ss.solve(rig(GMS, 3.5e-4), periods=30, rtol=1e-8)
     on = ss.solve(rig(GMS, 3.6e-4), periods=30, rtol=1e-8, start=coordinates(rig(GMS)).start(strobe_states(first)[-1]))
     assert float(swept.mean_velocity.sel(way="up")[1]) == pytest.approx(ss.mean_velocity(on), rel=1e-6)
+
+
+@pytest.fixture(scope="module")
+def yielding():
+    """Two Jenkins elements that both yield on the strobe."""
+    return ss.periodic_orbit(oscillator((0.05, 0.2), 0.9, 0.4))
+
+
+def test_where_elements_yield_on_the_strobe_the_derivative_is_the_one_sided_one_and_says_so(yielding):
+    """Beyond its limit an element would go on in another way, so differences of both sides are of the size of 1/step."""
+    robot, state = yielding.model, yielding.state
+    assert state[2:].tolist() == pytest.approx([0.05, 0.2, 1.0, 1.0], abs=1e-12) and at_limits(robot, state) == ("z0", "z1")
+    assert "one-sided: z0, z1 stand at a limit of the law" in yielding.evidence
+    base, at = strobe_map(robot, state).state[0], coordinates(robot)
+    for step in (1e-4, 1e-6):
+        inwards = state - step * np.diag(at.scales)[: at.smooth]
+        slopes = (base - strobe_map(robot, inwards).state)[:, : at.smooth].T / (step * at.scales[: at.smooth])
+        np.testing.assert_allclose(in_scales(robot, yielding.monodromy), in_scales(robot, slopes), atol=20 * step + 1e-6)
+        np.testing.assert_allclose(
+            in_scales(robot, yielding.monodromy), in_scales(robot, difference_jacobian(robot, state, step=step)), atol=1e-5
+        )
+    np.testing.assert_allclose(yielding.multipliers, yielding.differences, atol=1e-6)
+
+
+def test_sensitivities_where_elements_yield_are_those_of_neighbouring_orbits(yielding):
+    robot, h = yielding.model, 1e-5
+    found = ss.sensitivity(yielding, wrt=["force", "omega", "damping", "friction.limits.0"])
+    for row, name in zip(found.state, found.names, strict=True):
+        value = float(found.values[found.names.index(name)])
+        ends = [ss.periodic_orbit(replace_leaf(robot, {name: value + side * h})).state[:4] for side in (1, -1)]
+        np.testing.assert_allclose(row, (ends[0] - ends[1]) / (2 * h), rtol=1e-5, atol=1e-5)
+
+
+def test_a_state_beyond_the_limit_of_an_element_is_no_orbit(yielding):
+    """From the orbit of wider limits Newton's method comes to an element that yields for ever, beyond its limit."""
+    narrower = replace_leaf(yielding.model, {"friction.limits.0": 0.04999})
+    with pytest.raises(ss.SolveError, match=r"z0 is beyond the limit at which a memory of the law switches.*guess=ss\.solve"):
+        ss.periodic_orbit(narrower, guess=yielding)
+
+
+def test_a_law_that_stands_at_a_limit_of_its_equations_has_no_exponents_and_says_so():
+    found = ss.lyapunov(ss.ForcedOscillator(1.0, 1.0, 0.02, 0.9, 0.4, friction=Clipped(0.2), load=1.0), periods=20, settle=20)
+    assert np.isnan(found.largest) and "touched without being crossed" in found.note
 
 
 def test_chance_is_no_map():

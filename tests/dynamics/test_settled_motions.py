@@ -156,6 +156,19 @@ def test_two_starts_on_one_chaotic_attractor_are_one_and_mirror_twins_are_two():
     assert number.tolist() == [0, 0, 1, 1]
 
 
+@pytest.mark.parametrize("follow", [True, False])
+def test_a_start_that_stays_on_an_unstable_motion_by_its_symmetry_is_on_no_attractor(follow):
+    """x' = r x - x^3 keeps x = 0, which repels from r = 1 on."""
+    cubic = ss.SwitchingFlow.of_map(lambda y, n: (n.r * y[0] - y[0] ** 3,), {"r": 1.5}, ("x",))
+    found = ss.basins(cubic, x=[-0.5, 0.0, 0.5], settle=60)
+    assert len(found.attractors) == 2 and found.map.motion.values.tolist() == ["periodic", "not settled", "periodic"]
+    assert "1 of 3 starts: the start lies on an unstable motion of period 1: a nudge" in found.notes[0] and "limit=" not in found.notes[-1]
+    diagram = ss.bifurcation(cubic, parameter="r", values=[0.8, 1.2], settle=60, follow=follow)
+    assert (diagram.motion.sel(r=0.8) == "periodic").all() and (diagram.motion.sel(r=1.2) == "not settled").all()
+    told = ss.verdict(cubic, periods=20, settle=60)
+    assert told.kind == "not settled" and "unstable motion" in told.why
+
+
 def test_the_limit_is_checked():
     with pytest.raises(ss.InputError, match="allowed is a whole number of drive periods from settle = 50 on"):
         ss.basins(HENON, x=[0.0, 0.1], settle=50, limit=20)

@@ -2,6 +2,7 @@
 
 import json
 import random
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ import pytest
 import stickslip as ss
 from rows import each_row
 from stickslip.basics.units import unit_of_heading
-from stickslip.records import stamped_lines, tables_of_values
+from stickslip.records import json_pieces, stamped_lines
 from stickslip.records.reading import read_bytes
 from stickslip.records.text import _Plain
 from stickslip.records.text_lines import MOST_COLUMNS, Lines
@@ -180,7 +181,26 @@ def test_times_of_day_go_on_over_many_midnights(monkeypatch):
     np.testing.assert_allclose(read_bytes("\n".join(lines).encode(), "log.csv")["v"].time, [7 * 3600.0 * i for i in range(50)], rtol=1e-15)
 
 
-@each_row("seed", range(30))
+def nested(rng, rows):
+    """A list of rows, or one of the forms in which programs put it into an object."""
+    form = rng.randrange(7)
+    if form == 0 and isinstance(rows[0], list):
+        return {"columns": ["t", "v"], "data": rows[1:]}
+    if form == 1:
+        return {"about": {"made": "by hand"}, "rows": rows, "units": {"v": "m/s"}}
+    if form == 2 and isinstance(rows[0], dict):
+        return {str(i) if rng.random() < 0.999 else "last": row for i, row in enumerate(rows)}
+    if form == 3:
+        return {
+            "t [s]": {str(i): i for i in range(len(rows))},
+            "v": {str(i): row.get("v") if isinstance(row, dict) else row[1] for i, row in enumerate(rows)},
+        }
+    if form == 4:
+        return {"t [s]": list(range(len(rows))), "v": [row.get("v") if isinstance(row, dict) else row[1] for row in rows], "note": "none"}
+    return rows
+
+
+@each_row("seed", range(90))
 def test_json_that_is_read_in_pieces_is_that_which_is_read_as_a_whole(seed, monkeypatch):
     rng = random.Random(seed)
     odd = ["2.5", "},{", "a],[b", True, [1], [[1], [2]], {"a": {"b": 1}}, 10**400] * (rng.random() < 0.4)
@@ -192,10 +212,10 @@ def test_json_that_is_read_in_pieces_is_that_which_is_read_as_a_whole(seed, monk
         rows = [{"t [s]": i, "v": cell()} | ({"w": cell()} if rng.random() < 0.2 else {}) for i in range(80)]
     else:
         rows = [["t [s]", "v"]] * (rng.random() < 0.5) + [[i, cell()] + [7] * (rng.random() < 0.002) for i in range(80)]
-    data = json.dumps(rows, indent=rng.choice([None, None, 1])).encode()
-    data = data[: rng.choice([len(data)] * 5 + [len(data) // 2, len(data) - 1])] + rng.choice([b"", b"\n", b"\n", b"]"])
+    data = json.dumps(nested(rng, rows), indent=rng.choice([None, None, 1])).encode()
+    data = data[: rng.choice([len(data)] * 5 + [len(data) // 2, len(data) - 1])] + rng.choice([b"", b"\n", b"\n", b"]", b"}"])
     whole = read_of(data)
-    monkeypatch.setattr(tables_of_values, "_PIECE", 60)
+    monkeypatch.setattr(json_pieces, "_PIECE", 60)
     assert repr(read_of(data)) == repr(whole)
 
 
@@ -238,3 +258,46 @@ def test_json_of_lines_has_the_columns_of_all_its_lines():
     record = read_bytes("\n\n".join(lines).encode(), "log.jsonl")
     assert record["v"].values[:8999].tolist() == [i % 7 + 0.5 for i in range(8999)] and np.isnan(record["v"].values[9000])
     assert np.isnan(record["w"].values[:9000]).all() and record["w"].values[9000] == 3 and record["w"].time[-1] == 9000
+
+
+def test_blank_lines_are_left_out_and_counted_in_the_numbers_of_lines():
+    rows = [b"%d,%d.25" % (i, i % 7) for i in range(40)]
+    rows[20] = b"20,oops"
+    record = read_bytes(b"t [s],v [m/s]\n" + b"\n \n\t\n\n\n\n\n\n\n".join(rows), "log.csv")
+    np.testing.assert_array_equal(record["v"].values, [i % 7 + 0.25 if i != 20 else np.nan for i in range(40)])
+    assert any("the first is line 182: 'oops'" in note for note in record.notes), "nine lines for each row before it, and the heading"
+    numbers = "\n\n\n1\n\n\n2\n\n\n"
+    lines = Lines.of_text(numbers * 3)
+    assert list(lines) == ["1", "2"] * 3 + [""] and [lines.number(i) for i in range(7)] == [4, 7, 13, 16, 22, 25, 28]
+
+
+SIZE = 1_200_000
+PAIRS = [f"{i / 1000:.3f},{i % 89 / 7:.3f}" for i in range(SIZE // 14)]
+NAMED = ['"t [s]":{},"v [m/s]":{}'.format(*pair.split(",")) for pair in PAIRS]
+LARGE = {
+    "blank lines": ("t [s],v [m/s]\n", [pair + 40 * "\n" for pair in PAIRS[: len(PAIRS) // 4]], "\n", ""),
+    "lines of a blank": ("t [s],v [m/s]\n", [pair + 20 * "\n " for pair in PAIRS[: len(PAIRS) // 4]], "\n", ""),
+    "rows in an object": ('{"columns": ["t [s]", "v [m/s]"], "data": [', [f"[{pair}]" for pair in PAIRS], ",", "]}"),
+    "objects in an object": ('{"made": "by hand", "rows": [', ["{" + row + "}" for row in NAMED], ",", "]}"),
+    "objects by name": ("{", [f'"{i}":{{{row}}}' for i, row in enumerate(NAMED)], ",", "}"),
+    "columns by name": ('{"t [s]": {', [f'"{i}":{pair[:5]}' for i, pair in enumerate(PAIRS)], ",", "}}"),
+    "columns": ('{"v [m/s]": [', [f"{i / 1e6:.9f}" for i in range(SIZE // 12)], ",", "]}"),
+}
+
+
+@each_row("form", LARGE)
+def test_a_large_text_takes_about_five_times_its_size_at_most(form):
+    """Python's objects and NumPy's arrays, beside the bytes themselves; twice the text takes twice as much and no more."""
+    head, rows, between, tail = LARGE[form]
+    peaks = []
+    for part in (2, 1):
+        data = (head + between.join(rows[: len(rows) // part]) + tail).encode()
+        tracemalloc.start()
+        try:
+            record = read_bytes(data, "log")
+            peaks.append(tracemalloc.get_traced_memory()[1])
+        finally:
+            tracemalloc.stop()
+        assert len(record[next(iter(record))].values) == len(rows) // part
+    grown = (peaks[1] - peaks[0]) / (len(data) / 2)
+    assert grown < 5.5

@@ -7,7 +7,8 @@ import pytest
 
 import stickslip as ss
 from rows import each_row
-from stickslip.dynamics.stroboscopic.periodicity import repetition
+from stickslip.dynamics.attractors.period_numbers import periods_of
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_orbit
 from stickslip.engine.texts import recurrence as compiled
 from stickslip.results import recurrence
 
@@ -137,7 +138,7 @@ def test_period_one_beside_its_flip_along_the_friction():
         assert ss.solve(robot, periods=periods, keep="summary").period in (0, 1)
     assert ss.solve(robot, periods=500, keep="summary").period == 1
     state = [ss.solve(robot, periods=150).strobe_v[-1], float(ss.solve(robot, periods=150).strobe_z[-1])]
-    assert repetition(robot, state).period in (None, 1)
+    assert periods_of(strobe_orbit(robot, state, 96)[0][:, 0], coordinates(robot).scales) in (0, 1)
 
 
 @each_row("count", [20, 40, 47, 100])

@@ -70,7 +70,7 @@ _WAYS = (Dialect(";", ".", -1), Dialect(";", ",", -1))
 
 def _in_words(lines: Lines, loose: Dialect, width: int, wrong: Sequence[int]) -> str:
     """The names of columns that are left out, and the first cell that is not a number."""
-    beginning = lines[: lines.beginning(1000)]
+    beginning = lines.part(0, lines.beginning(1000))
     rows = [(i, cells) for i, line in enumerate(beginning, 1) if len(cells := loose.all_cells(line)) == width]
     body = next((at for at, (_, cells) in enumerate(rows) if any(_is_number(c) for k, c in enumerate(cells) if k not in wrong)), 0)
     titles = heading_cells(beginning[rows[body - 1][0] - 1], Dialect(loose.separator, ".", width)) if body else []
@@ -78,7 +78,8 @@ def _in_words(lines: Lines, loose: Dialect, width: int, wrong: Sequence[int]) ->
     shown = ", ".join(names[:6]) + (", ..." if len(names) > 6 else "")
     line, cells = rows[body] if rows else (1, [""] * width)
     cell = next((cells[k] for k in wrong if cells[k] and not _is_number(cells[k])), cells[wrong[0]])
-    return f"column{'s' * (len(names) > 1)} {shown} left out: line {line} has {cell[:40]!r}, which is not a number; words are not read"
+    where = f"line {beginning.number(line - 1)} has {cell[:40]!r}"
+    return f"column{'s' * (len(names) > 1)} {shown} left out: {where}, which is not a number; words are not read"
 
 
 def _is_number(cell: str) -> bool:

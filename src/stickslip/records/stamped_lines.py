@@ -74,7 +74,7 @@ def _replaced(lines: Lines, begin: int, comma: bool, words: bool) -> Stamped:
                 texts[at] = b"%s%s%d%s" % (text[:start], cell, numbers[at], text[end:])
         made.writelines((b"\n".join(texts), b"\n" * (len(rest) > 0)))
     date = date_cell(first)
-    return Stamped(Lines(made.getvalue()), lines[begin][: first.start()] + date, bool(date), first[0].strip('"'))
+    return Stamped(lines.replaced(made.getvalue()), lines[begin][: first.start()] + date, bool(date), first[0].strip('"'))
 
 
 class _Count:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
 import itertools
-import json
 import re
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -15,14 +13,11 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.basics.units import unit_of_heading
 from stickslip.basics.unpacking import Allowance
+from stickslip.records.json_pieces import in_pieces, of_lines
 from stickslip.records.raw import Column, Raw
+from stickslip.records.rows_of_values import FORMS, ByName, array_of, by_column, labels_a_row, numbered, of_other_length, rows_of
 from stickslip.records.stamps import STAMP_UNIT, nanoseconds
 from stickslip.records.text_lines import Lines, check_columns
-
-_FORMS = (
-    'allowed are [{"t [s]": 0.0, "v [mm/s]": 1.0}, ...], {"t [s]": [...], "v [mm/s]": [...]}, '
-    '{"columns": [...], "data": [[...], ...]} and one object a line'
-)
 
 
 # ---- JSON ----
@@ -31,7 +26,7 @@ def parse_json(text: str, allowance: Allowance) -> Raw:
     _check_nesting(text)
     document = _loaded(text)
     units: dict[str, Any] = {}
-    while isinstance(document, dict) and not isinstance(document, _ByName):
+    while isinstance(document, dict) and not isinstance(document, ByName):
         if _named_rows(document):
             document = list(document.values())
             break
@@ -41,18 +36,18 @@ def parse_json(text: str, allowance: Allowance) -> Raw:
         units_given = document.get("units")
         units |= units_given if isinstance(units_given, dict) else {}
         if _is_split(document):
-            document = _by_column(list(map(str, document["columns"])), document["data"])
+            document = _named(list(map(str, document["columns"])), document["data"])
             break
         inner = [value for value in document.values() if _is_table(value)]
         if len(inner) != 1:
-            raise InputError("read", [f"the JSON holds {len(inner)} tables; allowed is one, alone or as one part of an object; {_FORMS}"])
+            raise InputError("read", [f"the JSON holds {len(inner)} tables; allowed is one, alone or as one part of an object; {FORMS}"])
         document = inner[0]
     if isinstance(document, list):
-        document = _by_column(*_rows(document))
+        document = by_column(*rows_of(document))
     lists = {name: value for name, value in document.items() if _columnar(value)}
     check_columns(len(lists), "the JSON")
     if not lists:
-        raise InputError("read", [f"the JSON holds no list of numbers; {_FORMS}"])
+        raise InputError("read", [f"the JSON holds no list of numbers; {FORMS}"])
     allowance.take(8.0 * sum(map(len, lists.values())), "its lists")
     raw = Raw("JSON", table=True)
     left = [name for name in document if name not in lists and name != "units"]
@@ -74,115 +69,24 @@ def _check_nesting(text: str) -> None:
     """Refuse a text of brackets and of empty lists, which takes far more memory than it has letters and holds no table."""
     opened = text.count("[") + text.count("{")
     if opened > 1000 and sum(1 for _ in itertools.islice(_EMPTY.finditer(text), _MOST_EMPTY + 1)) > _MOST_EMPTY:
-        raise InputError("read", [f"the JSON holds more than {_MOST_EMPTY} empty lists or objects; {_FORMS}"])
+        raise InputError("read", [f"the JSON holds more than {_MOST_EMPTY} empty lists or objects; {FORMS}"])
     if opened > len(text) / 4 + 1000:
         raise InputError(
-            "read", [f"the JSON opens {opened} lists or objects within {len(text)} characters: it is nested too deeply, or empty; {_FORMS}"]
+            "read", [f"the JSON opens {opened} lists or objects within {len(text)} characters: it is nested too deeply, or empty; {FORMS}"]
         )
 
 
 def _loaded(text: str) -> Any:
     """The contents of the text: one value, or one on each line."""
     try:
-        return _in_pieces(text) or json.loads(text)
+        return in_pieces(text)
     except RecursionError:
         raise InputError("read", ["the JSON is nested too deeply; write one table"]) from None
     except ValueError as error:
         try:
-            return _of_lines(Lines.of_text(text)) or _broken(error)
+            return of_lines(Lines.of_text(text)) or _broken(error)
         except (ValueError, RecursionError):
             return _broken(error)
-
-
-class _ByName(dict[str, Any]):
-    """Columns by name that were rows: arrays of numbers, or lists of whatever they hold."""
-
-
-_TOGETHER, _PIECE = 4096, 1 << 17  # lines of JSON, and characters of a list of rows, that are objects at once
-_OPENING = re.compile(r"[ \t\r\n]*\[[ \t\r\n]*(?=[\[{])")
-_SEAMS = {"{": re.compile(r"\}[ \t\r\n]*,[ \t\r\n]*(?=\{)"), "[": re.compile(r"\][ \t\r\n]*,[ \t\r\n]*(?=\[)")}
-
-
-def _in_pieces(text: str) -> _ByName | None:
-    """The columns of a long list of rows, of which only some are objects at once; None for another text.
-
-    A place between two rows is one where the rows before it are JSON.
-    """
-    opening = _OPENING.match(text)
-    if opening is None or len(text) < 2 * _PIECE:
-        return None
-    rows, position = _Rows(), opening.end()
-    seam = _SEAMS[text[position]]
-    try:
-        while (between := seam.search(text, position + _PIECE)) is not None:
-            rows.add(json.loads(f"[{text[position : between.start() + 1]}]"))
-            position = between.end()
-        rows.add(json.loads(f"[{text[position:]}"))
-    except ValueError:  # a seam within a row or a text, or damage, of which the whole says more
-        return None
-    return rows.columns()
-
-
-def _of_lines(lines: Lines) -> _ByName | None:
-    """The columns of a text with an object on each line; what a row does not have is missing. None for a text of one line."""
-    rows = _Rows()
-    for begin in range(0, len(lines), _TOGETHER):
-        some = [part for line in lines.part(begin, begin + _TOGETHER) if (part := line.strip())]
-        together = all(line[0] == "{" and line[-1] == "}" for line in some)  # many times faster than one by one
-        values_of_rows = json.loads(f"[{','.join(some)}]") if together else [json.loads(line) for line in some]
-        if len(values_of_rows) != len(some):
-            raise ValueError
-        rows.add(values_of_rows)
-    return rows.columns()
-
-
-class _Rows:
-    """Rows, which come some at a time, as columns."""
-
-    def __init__(self) -> None:
-        self._parts: dict[str, list[Any]] = {}
-        self._sizes: dict[str, int] = {}
-        self._count = self._given = 0
-
-    def add(self, rows: list[Any]) -> None:
-        """Rows that follow: objects, or lists that are as long as those before; `ValueError` where these are not."""
-        if not rows:
-            return
-        if self._parts and isinstance(rows[0], list):
-            names, added = list(self._parts), rows
-            if not all(isinstance(row, list) and len(row) == len(names) for row in rows):
-                raise ValueError("rows of different lengths")
-        else:
-            names, added = _rows(rows)
-        self._given += sum(map(len, rows))
-        width = len({*self._parts, *names})
-        check_columns(width, "the JSON")
-        _check_filled(self._given, width, max(self._count + len(added), 1))
-        for name, values in _by_column(names, added).items():
-            self._fill(name)
-            numbers = _array(values)
-            self._parts[name].append(values if numbers is None else numbers)
-            self._sizes[name] += len(values)
-        self._count += len(added)
-
-    def _fill(self, name: str) -> None:
-        """What the rows so far do not have in a column is missing."""
-        parts, size = self._parts.setdefault(name, []), self._sizes.get(name, 0)
-        if size < self._count:
-            parts.append(np.full(self._count - size, np.nan))
-        self._sizes[name] = self._count
-
-    def columns(self) -> _ByName | None:
-        """The columns, if there is more than one row."""
-        columns = _ByName()
-        for name in self._parts:
-            self._fill(name)
-            parts, self._parts[name] = self._parts[name], []
-            numbers = all(isinstance(part, np.ndarray) for part in parts)
-            columns[name] = (
-                np.concatenate(parts) if numbers else [x for part in parts for x in (part if type(part) is list else part.tolist())]
-            )
-        return columns if self._count > 1 else None
 
 
 def _broken(error: Exception) -> Any:
@@ -194,7 +98,16 @@ def _text(value: Any) -> str | None:
 
 
 def _is_split(document: dict[str, Any]) -> bool:
-    return isinstance(document.get("columns"), list) and isinstance(document.get("data"), list)
+    return isinstance(document.get("columns"), list) and isinstance(document.get("data"), (list, ByName))
+
+
+def _named(names: list[str], rows: Any) -> dict[str, Any]:
+    """The columns of rows that are lists, by other names."""
+    if not isinstance(rows, ByName):
+        return by_column(names, rows)
+    if list(rows) != numbered(len(names)):
+        raise of_other_length(len(names))
+    return dict(zip(names, rows.values(), strict=True))
 
 
 _SINGLE = {int, float, bool, str, type(None)}  # what JSON has beside lists and objects
@@ -202,15 +115,10 @@ _SINGLE = {int, float, bool, str, type(None)}  # what JSON has beside lists and 
 
 def _columnar(value: Any) -> bool:
     """Whether a value is a list of numbers, or an object of them by row, as pandas writes columns."""
-    if isinstance(value, dict) and not all(map(_labels_a_row, value)):
+    if isinstance(value, dict) and not all(map(labels_a_row, value)):
         return False
     items = list(value.values()) if isinstance(value, dict) else value
     return isinstance(items, np.ndarray) or (isinstance(items, list) and len(items) > 0 and _SINGLE.issuperset(map(type, items)))
-
-
-def _labels_a_row(name: str) -> bool:
-    """Whether the name within an object counts rows, or tells their times."""
-    return name.lstrip("-").isdigit() or nanoseconds(name) is not None
 
 
 def _named_columns(document: dict[str, Any]) -> bool:
@@ -219,12 +127,16 @@ def _named_columns(document: dict[str, Any]) -> bool:
 
 
 def _named_rows(document: dict[str, Any]) -> bool:
-    return bool(document) and all(map(_labels_a_row, document)) and all(isinstance(row, dict) for row in document.values())
+    return (
+        bool(document)
+        and all(map(labels_a_row, document))
+        and all(isinstance(row, dict) and not isinstance(row, ByName) for row in document.values())
+    )
 
 
 def _is_table(value: Any) -> bool:
     if isinstance(value, dict):
-        return _is_split(value) or _named_columns(value) or _named_rows(value)
+        return isinstance(value, ByName) or _is_split(value) or _named_columns(value) or _named_rows(value)
     return isinstance(value, list) and bool(value) and isinstance(value[0], (dict, list))
 
 
@@ -237,38 +149,9 @@ def _plain(value: Any) -> list[Any]:
     return list(value.values()) if isinstance(value, dict) else value
 
 
-def _rows(rows: list[Any]) -> tuple[list[str], list[Any]]:
-    """Names and rows of a list of objects or lists; what a row does not have is missing."""
-    if rows and all(isinstance(row, dict) for row in rows):
-        names = list(dict.fromkeys(name for row in rows for name in row))
-        check_columns(len(names), "the JSON")
-        _check_filled(sum(map(len, rows)), len(names), len(rows))
-        return names, [[row.get(name) for name in names] for row in rows]
-    if rows and all(isinstance(row, list) for row in rows):
-        head = rows[0] if rows[0] and all(isinstance(cell, str) for cell in rows[0]) else None
-        check_columns(width := max(map(len, rows)), "the JSON")
-        return (list(head) if head else [f"column {i + 1}" for i in range(width)]), rows[1:] if head else rows
-    raise InputError("read", [f"the JSON is a list of {type(rows[0]).__name__ if rows else 'nothing'}; {_FORMS}"])
-
-
-def _check_filled(given: int, columns: int, rows: int) -> None:
-    """Raise an `InputError` for rows that name so different columns that the table is empty but for a few cells."""
-    if columns * rows > 20 * given + 1_000_000:
-        raise InputError(
-            "read", [f"the rows of the JSON name {columns} columns and {given / rows:.3g} each: no table is as empty; {_FORMS}"]
-        )
-
-
-def _by_column(names: list[str], rows: list[Any]) -> dict[str, Any]:
-    """Lists by name of a table by rows."""
-    if not all(isinstance(row, list) and len(row) == len(names) for row in rows):
-        raise InputError("read", [f"rows of the JSON have not {len(names)} values each, as its columns are; {_FORMS}"])
-    return {name: [row[i] for row in rows] for i, name in enumerate(names)}
-
-
 def _column(name: str, unit: str | None, values: list[Any], notes: list[str]) -> Column:
     """Numbers, or timestamps as seconds since the first; what is neither is NaN, and said."""
-    if (numbers := _array(values)) is not None:
+    if (numbers := array_of(values)) is not None:
         return Column(name, unit, numbers)
     texts = {x for x in values if isinstance(x, str)}
     known = {x: nanoseconds(x) for x in texts if ":" in x}
@@ -283,19 +166,6 @@ def _column(name: str, unit: str | None, values: list[Any], notes: list[str]) ->
     if strange:
         notes.append(f"{name}: {strange} values are not numbers and became NaN")
     return Column(name, unit, np.array([np.nan if x is None else x for x in read], float))
-
-
-def _array(values: Any) -> Any:
-    """Values as an array where all are numbers of JSON, or are missing; else None."""
-    if isinstance(values, np.ndarray):
-        return values
-    if _NUMBERS.issuperset(map(type, values)):
-        with contextlib.suppress(OverflowError):  # of hundreds of digits
-            return np.array(values, float)
-    return None
-
-
-_NUMBERS = {int, float, type(None)}
 
 
 def number_in(value: Any) -> float | None:

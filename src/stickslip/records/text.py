@@ -65,7 +65,7 @@ def parse(data: bytes, separator: str | None = None, decimal: str | None = None)
     lines, times, dialect, first = _table(lines, separator, decimal, raw.notes)
     names = _headings(lines[:first], dialect, raw)
     body = lines.from_line(first)
-    values = _values(body, first, dialect, raw.notes)
+    values = _values(body, dialect, raw.notes)
     raw.info["dialect"] = dialect.words
     if not ended:
         raw.notes.append("the last line does not end with a line break: if the file was cut short, its last number is cut too")
@@ -166,7 +166,7 @@ _EXPONENTS = re.compile(rb"(?<=[\d.])d(?=[+-]?\d)")
 _TOGETHER = 16384  # lines that are read at once
 
 
-def _values(lines: Lines, first: int, dialect: Dialect, notes: list[str]) -> Any:
+def _values(lines: Lines, dialect: Dialect, notes: list[str]) -> Any:
     """All rows: short and long ones are left out, cells that are not numbers become NaN, and both are noted."""
     most = min(len(lines), lines.size // max(dialect.width - 1, 1) + 1)  # rows: each has a separator between two cells
     values, filled = np.empty((most, dialect.width)), 0
@@ -190,7 +190,7 @@ def _values(lines: Lines, first: int, dialect: Dialect, notes: list[str]) -> Any
         left[which] = False
         places, rows = [], []
         for at in np.flatnonzero(left).tolist():
-            line, number = some[at], first + begin + at + 1
+            line, number = some[at], some.number(at)
             if not line.strip():
                 continue
             if (bad := len(wrong) + damaged) > MOST_BAD * len(lines) + 1:

@@ -13,7 +13,8 @@ from stickslip.basics.errors import InputError
 #: Bounds of a table in text, far beyond those of any instrument: characters of a line and of a number, columns, and characters in which
 #: its dialect is looked for, and its first row.
 MOST_LINE, MOST_NUMBER, MOST_COLUMNS, SNIFFED, MOST_PREAMBLE = 200_000, 1000, 4096, 1 << 16, 1 << 20
-_PIECE = 1 << 20  # characters in which line ends are looked for at once, and lines that are measured at once
+_PIECE = 1 << 18  # characters in which line ends are looked for at once, and lines that are measured at once
+_SHORT = 4  # characters: where lines are shorter on average, blank ones are left out
 _TOGETHER = 4096  # lines that are decoded at once
 
 
@@ -26,6 +27,8 @@ class Lines(Sequence[str]):
         UTF-8, in which lines end with a line feed.
     starts : array of int, optional
         Where each line begins, and where one after the last would; found by default.
+    numbers : int or array of int
+        Which line of the file the first is, counted from 0, or each, where blank lines are left out.
 
     Examples
     --------
@@ -34,8 +37,8 @@ class Lines(Sequence[str]):
     (3, '1,2', b'1,2\n3,4')
     """
 
-    def __init__(self, data: bytes, starts: Array | None = None):
-        self._data = data
+    def __init__(self, data: bytes, starts: Array | None = None, numbers: Any = 0):
+        self._data, self._numbers = data, numbers
         if starts is None:
             starts = np.empty(data.count(b"\n") + 2, np.int32 if len(data) < 2**31 - 2 else np.int64)
             starts[0], starts[-1], letters, at = 0, len(data) + 1, np.frombuffer(data, np.uint8), 1
@@ -47,10 +50,22 @@ class Lines(Sequence[str]):
 
     @classmethod
     def of_text(cls, text: str) -> Lines:
-        """The lines of a text, whose ends may be those of any system."""
+        """The lines of a text, whose ends may be those of any system; of one of mostly blank lines those that are not."""
         if "\r" in text:
             text = text.replace("\r\n", "\n").replace("\r", "\n")
-        return cls(text.encode("utf-8", "surrogatepass"))
+        data = text.encode("utf-8", "surrogatepass")
+        if _SHORT * data.count(b"\n") > len(data):
+            data, numbers = _without_blanks(data)
+            return cls(data, numbers=numbers)
+        return cls(data)
+
+    def number(self, index: int) -> int:
+        """Which line of the file a line is, counted from 1."""
+        return 1 + (self._numbers + index if isinstance(self._numbers, int) else int(self._numbers[index]))
+
+    def replaced(self, data: bytes) -> Lines:
+        """As many other lines, which have the numbers of these."""
+        return Lines(data, numbers=self._numbers)
 
     @property
     def data(self) -> bytes:
@@ -79,9 +94,7 @@ class Lines(Sequence[str]):
     def __getitem__(self, index: Any) -> Any:
         if isinstance(index, slice):
             first, last, step = index.indices(len(self))
-            return (
-                Lines(self._data, self._starts[first : max(first, last) + 1]) if step == 1 else [self[i] for i in range(first, last, step)]
-            )
+            return self.part(first, max(first, last)) if step == 1 else [self[i] for i in range(first, last, step)]
         index = range(len(self))[index]
         return self._data[self._starts[index] : self._starts[index + 1] - 1].decode("utf-8", "surrogatepass")
 
@@ -92,19 +105,20 @@ class Lines(Sequence[str]):
 
     def from_line(self, first: int) -> Lines:
         """The lines from one on."""
-        return Lines(self._data, self._starts[first:])
+        return self.part(first, len(self))
 
     def part(self, first: int, last: int) -> Lines:
         """Some of the lines."""
-        return Lines(self._data, self._starts[first : last + 1])
+        numbers = self._numbers + first if isinstance(self._numbers, int) else self._numbers[first:last]
+        return Lines(self._data, self._starts[first : last + 1], numbers)
 
     def check(self) -> None:
         """Raise an `InputError` for a line that no table has."""
         for first in range(0, len(self), _PIECE):
             sizes = np.diff(self._starts[first : first + _PIECE + 1]) - 1
             if sizes.max() > MOST_LINE:
-                number = int(sizes.argmax())
-                why = f"line {first + number + 1} of the text has {int(sizes[number])} characters; allowed are {MOST_LINE}"
+                longest = int(sizes.argmax())
+                why = f"line {self.number(first + longest)} of the text has {int(sizes[longest])} characters; allowed are {MOST_LINE}"
                 raise InputError(
                     "read", [f"{why}; write a table with a line for each instant, or a binary format such as .mat, .tdms or .h5"]
                 )
@@ -127,6 +141,29 @@ class Lines(Sequence[str]):
             if length > 2 * SNIFFED:
                 break
         return chosen
+
+
+def _without_blanks(data: bytes) -> tuple[bytes, Any]:
+    """The lines that are not blank, and the last one, with their numbers from 0; a piece at a time."""
+    kept, numbers, begin, count = list[bytes](), list[Array](), 0, 0
+    while begin < len(data):
+        end = data.find(b"\n", min(begin + _PIECE, len(data)))
+        if end < 0:
+            end = data.rfind(b"\n", begin)
+        if end < 0:
+            break
+        letters = np.frombuffer(data, np.uint8, end + 1 - begin, begin)
+        ends = np.flatnonzero(letters == ord("\n"))
+        filled = np.diff(np.cumsum(~np.isin(letters, _BLANK), dtype=np.int32)[ends], prepend=0) > 0
+        kept.append(letters[np.repeat(filled, np.diff(ends, prepend=-1))].tobytes())
+        numbers.append((count + np.flatnonzero(filled)).astype(np.int64 if len(data) >= 2**31 else np.int32))
+        begin, count = end + 1, count + len(ends)
+    if sum(map(len, numbers)) == count:
+        return data, 0
+    return b"".join([*kept, data[begin:]]), np.concatenate([*numbers, [count]])
+
+
+_BLANK = np.frombuffer(b" \t\f\n", np.uint8)
 
 
 def check_columns(count: int, what: str = "the text") -> None:

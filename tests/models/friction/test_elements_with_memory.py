@@ -3,49 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pytest
 
 import stickslip as ss
+from slipping_elements import Jenkins, oscillator
 from stickslip.engine.law_steps import law_steps
 from stickslip.inverse.identification.law_forces import Stepped, _step_by_step
 from stickslip.maths import where
 from stickslip.models.friction.law_adapter import adapted
-
-
-@dataclass(frozen=True)
-class Jenkins:
-    """n elements of stiffness 1 N/m whose slider yields at so much of the load; a memory of each says whether and which way it yields."""
-
-    limits: tuple[float, ...]
-
-    @property
-    def states(self):
-        return len(self.limits)
-
-    modes = states
-
-    def rate(self, v, z, load, mode):
-        rates = tuple(v * (1 - m * m) for m in mode)
-        return rates if self.states > 1 else rates[0]
-
-    def force(self, v, z, zdot, load, mode):
-        return sum(z[1:], z[0]) if self.states > 1 else z
-
-    def scale(self, load):
-        found = tuple(limit * load for limit in self.limits)
-        return found if self.states > 1 else found[0]
-
-    def switches(self, v, z, load, mode):
-        z = z if self.states > 1 else (z,)
-        found: list[Any] = []
-        for i, limit in enumerate(self.limits):
-            for side in (1.0, -1.0):
-                yields = tuple(side if j == i else m for j, m in enumerate(mode))
-                found.append((where(mode[i] * mode[i] > 0.5, 1.0, limit * load - side * z[i]), yields, None))
-        return [*found, (abs(v), tuple(0.0 * m for m in mode), None)]
 
 
 def clipped(limits, force, omega, periods, steps=4000):
@@ -59,10 +26,6 @@ def clipped(limits, force, omega, periods, steps=4000):
         a = force * np.sin(omega * (i + 0.5) * h) - middle - 0.02 * rate - half.sum(axis=0)
         x, v, z = x + h * rate, v + h * a, np.clip(z + h * rate, -bounds, bounds)
     return x, v
-
-
-def oscillator(limits, force, omega):
-    return ss.ForcedOscillator(mass=1.0, stiffness=1.0, damping=0.02, force=force, omega=omega, friction=Jenkins(limits), load=1.0)
 
 
 @pytest.mark.parametrize("limits", [(0.1,), (0.05, 0.2), (0.05, 0.1, 0.2, 0.4)], ids=len)

@@ -224,7 +224,7 @@ def sampled(**changes):
 
 def test_periodic_orbit_of_a_sampled_joint_has_the_multipliers_of_differences():
     from stickslip.dynamics.derivatives.tangents import jacobian_of
-    from stickslip.dynamics.stroboscopic.strobe_maps import difference_jacobian
+    from stickslip.dynamics.stroboscopic.differences import difference_jacobian
 
     joint = sampled()
     orbit = ss.periodic_orbit(joint)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +16,7 @@ from stickslip.basics.interruption import interruptible, look, partial_result
 from stickslip.dynamics.attractors.basins import Attractor, grid_of, on_grid, start_axes, wilson
 from stickslip.dynamics.attractors.bifurcation_diagrams import checked_values, state_attrs
 from stickslip.dynamics.attractors.kinds_of_motion import OF_MOTIONS, RUNS_AWAY, UNDONE, UNSETTLED, UNSOLVED
+from stickslip.dynamics.attractors.mirror_images import mirror_images
 from stickslip.dynamics.attractors.motion_features import Features, features_of, motion_numbers
 from stickslip.dynamics.attractors.settled_motions import Settled, settled_motions
 from stickslip.dynamics.continuation.one_parameter import Family, family
@@ -50,6 +51,7 @@ class _Track:
 
     state: Array
     at_values: dict[int, Attractor]
+    images: dict[int, int] = field(default_factory=dict)  # the track that is its mirror image, at each value; -1: none is known
     means: Any = ()
     between: tuple[float, float] | None = None  # where it vanished
     became: str = ""  # and to what its last state led
@@ -108,10 +110,11 @@ def attractors(
     xarray.Dataset
         Over attractor (in the order in which they appear) and the parameter: mean_velocity [m/s] (of machines), motion ("periodic",
         "quasi-periodic" or "chaotic"; empty where it is absent), period (drive periods until it repeats; 0: none, -1: absent), exponent
-        with its error (largest Lyapunov exponent per drive period of what has no period), share of the starts with its 95 % interval
-        share_low to share_high (Wilson), the strobe
-        state (v, z, ...); over attractor: begins and ends, between which values it appears and vanishes, and what its last state leads to
-        then; over the parameter the numbers of starts that reach no attractor: unsettled, runs_away and unsolved (-1: not computed).
+        with its error (largest Lyapunov exponent per drive period of what has no period), image (where forwards and backwards are alike,
+        the attractor that is its mirror image, which may be itself; -1: none is known, as under laws with discrete memory), share of the
+        starts with its 95 % interval share_low to share_high (Wilson), the strobe state (v, z, ...); over attractor: begins and ends,
+        between which values it appears and vanishes, and what its last state leads to then; over the parameter the numbers of starts that
+        reach no attractor: unsettled, runs_away and unsolved (-1: not computed).
 
     Examples
     --------
@@ -193,6 +196,7 @@ def _at_value(along: _Along, k: int, tracks: list[_Track]) -> list[int]:
         tracks.append(taken[n])
     for n, track in taken.items():
         _note(track, k, number == n, ours == n, whole, motions)
+    _note_images(along, model, k, taken, tracks, whole, motions, number)
     for track, n in zip(alive, carried.tolist(), strict=True):
         if k not in track.at_values:
             track.between = track.between or (float(along.values[k - 1]), float(along.values[k]))
@@ -241,6 +245,17 @@ def _note(track: _Track, k: int, members: Array, hit: Array, settled: Settled, m
     track.at_values[k] = Attractor(kind, period, V, track.state, hits / count, wilson(hits, count), None, exponent, error)
 
 
+def _note_images(
+    along: _Along, model: Model, k: int, taken: dict[int, _Track], tracks: list[_Track], whole: Settled, motions: Features, number: Array
+) -> None:
+    """Note which attractors at a value are mirror images of one another."""
+    firsts = [int(np.flatnonzero(number == n)[0]) for n in taken]
+    images = mirror_images(model, along.at, motions, whole.points[firsts, -1], firsts, along.rtol)
+    places = [tracks.index(track) for track in taken.values()]
+    for place, image in zip(places, images, strict=True):
+        tracks[place].images[k] = UNDONE if image is None else places[image]
+
+
 def _begins(track: _Track, values: Array) -> str:
     """Between which values an attractor appears."""
     k = min(track.at_values)
@@ -259,10 +274,11 @@ def _dataset(robots: Family, parameter: str, values: Array, tracks: list[_Track]
 
     shape = (len(tracks), len(values))
     period, numbers = np.full(shape, UNDONE), np.full((*shape, 6 + len(at.names)), np.nan)
-    motion = np.full(shape, "", dtype="<U16")
+    motion, image = np.full(shape, "", dtype="<U16"), np.full(shape, -1)
     for i, track in enumerate(tracks):
         for k, a in track.at_values.items():
             period[i, k], motion[i, k] = a.period, a.kind
+            image[i, k] = track.images.get(k, -1)
             numbers[i, k] = [a.mean_velocity, a.share, *a.interval, a.exponent, a.error, *a.state]
     both, flow = ("attractor", parameter), is_flow(robots.robot(values[0]))
     about = (
@@ -274,6 +290,7 @@ def _dataset(robots: Family, parameter: str, values: Array, tracks: list[_Track]
     columns |= {
         "period": (both, period, {"units": "1", "long_name": "motion period (0: none, -1: absent)"}),
         "motion": (both, motion, {"long_name": "motion: periodic, quasi-periodic, chaotic; empty where it is absent"}),
+        "image": (both, image, {"units": "1", "long_name": "attractor that is its mirror image, or itself (-1: none is known)"}),
     }
     columns |= {
         name: ((parameter,), lost[:, i], {"units": "1", "long_name": name_of_end})

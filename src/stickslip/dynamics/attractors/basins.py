@@ -18,6 +18,7 @@ from stickslip.basics.interruption import interruptible
 from stickslip.basics.notebook_display import Drawn
 from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
 from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, OF_MOTIONS, PERIODIC, UNSETTLED
+from stickslip.dynamics.attractors.mirror_images import image_in_words, mirror_images
 from stickslip.dynamics.attractors.motion_features import Features, features_of, motion_numbers
 from stickslip.dynamics.attractors.settled_motions import Settled, checked_limit, settled_motions
 from stickslip.dynamics.stroboscopic.chunked_runs import Report
@@ -54,6 +55,9 @@ class Attractor:
     exponent, error : float
         Largest Lyapunov exponent per drive period and its standard error of a motion without a period, the mean over its starts; NaN of
         one that has a period: its multipliers say more.
+    image : str
+        Of a machine in which forwards and backwards are alike: "the mirror image of attractor 0", by its number among the attractors, or
+        "its own mirror image"; empty where no mirror image is known.
     """
 
     kind: str
@@ -65,6 +69,7 @@ class Attractor:
     orbit: Any
     exponent: float = np.nan
     error: float = np.nan
+    image: str = ""
 
     @property
     def word(self) -> str:
@@ -80,7 +85,8 @@ class Attractor:
 
     def __repr__(self) -> str:
         way = f"V = {self.mean_velocity:.7g} m/s, " if np.isfinite(self.mean_velocity) else ""
-        return f"<Attractor: {self.word}, {way}share {self.share:.3f} ({self._bounds})>"
+        image = f", {self.image}" if self.image else ""
+        return f"<Attractor: {self.word}, {way}share {self.share:.3f} ({self._bounds}){image}>"
 
 
 @described_as("basins; type for example ss.basins(robot, v=[0.0, 0.1])")
@@ -132,7 +138,10 @@ class Basins(Drawn):
 
     def _tables(self) -> list[list[tuple[str, ...]]]:
         head = ("attractor", "motion", "mean velocity [m/s]", "share of the starts", "95 %")
-        rows = [(str(k), a.word, f"{a.mean_velocity:.7g}", f"{a.share:.3f}", a._bounds) for k, a in enumerate(self.attractors)]
+        rows = [
+            (str(k), ", ".join(filter(None, (a.word, a.image))), f"{a.mean_velocity:.7g}", f"{a.share:.3f}", a._bounds)
+            for k, a in enumerate(self.attractors)
+        ]
         rows += [("none", word, "", f"{share:.3f}", f"{low:.3f} to {high:.3f}") for word, (share, (low, high)) in self.others.items()]
         return [[head, *rows]]
 
@@ -188,8 +197,9 @@ def basins(
     Returns
     -------
     Basins
-        `map` (labelled Dataset), `attractors` (with shares and their confidence intervals), `fractions`, `others` (shares of starts that
-        are on no attractor), `notes`.
+        `map` (labelled Dataset), `attractors` (with shares and their confidence intervals, and which is the mirror image of which where
+        forwards and backwards are alike, but not with `phase=` and under laws with discrete memory), `fractions`, `others` (shares of
+        starts that are on no attractor), `notes`.
 
     Examples
     --------
@@ -205,7 +215,7 @@ def basins(
     states = on_grid(table, model)
     batch = shifted_robots("basins", model, table["phase"]) if "phase" in table else spread_over(model, len(states))
     settled = settled_motions(batch, states, at, settle, limit, rtol, workers=workers, progress=progress, partly=True)
-    result = _gathered(model, axes, settled, at, "phase" in table)
+    result = _gathered(model, axes, settled, at, "phase" in table, rtol)
     if settled.ending.interrupted:
         done = np.count_nonzero(settled.kind != NOT_COMPUTED)
         note = settled.ending.note(f"{done} of {len(states)} starts are computed")
@@ -266,7 +276,7 @@ def _usual(at: Coordinates) -> dict[str, Array]:
     return {n: np.linspace(-2, 2, 41) * s for n, s in zip(at.names[: at.smooth - (inner if inner > 1 else 0)], at.scales, strict=False)}
 
 
-def _gathered(model: Model, axes: dict[str, Array], settled: Settled, at: Coordinates, by_phase: bool) -> Basins:
+def _gathered(model: Model, axes: dict[str, Array], settled: Settled, at: Coordinates, by_phase: bool, rtol: float) -> Basins:
     import xarray as xr
 
     motions = features_of(float(model.period), settled, at, by_phase)
@@ -288,18 +298,21 @@ def _gathered(model: Model, axes: dict[str, Array], settled: Settled, at: Coordi
     }
     phase = {"long_name": "phase of the drive at the start", "units": "1"}
     coords = {n: (n, a, phase if n == "phase" else state_attrs(n, "at the start", flow)) for n, a in axes.items()}
-    attractors = [_attractor(model, members[k], cases, settled, motions, by_phase) for k in order]
+    firsts = [int(members[k][0]) for k in order]
+    images = [None] * len(order) if by_phase else mirror_images(model, at, motions, settled.points[firsts, -1], firsts, rtol)
+    words = [image_in_words(i, image) for i, image in enumerate(images)]
+    attractors = [_attractor(model, members[k], cases, settled, motions, by_phase, word) for k, word in zip(order, words, strict=True)]
     return Basins(model, xr.Dataset(columns, coords), attractors, _notes(settled))
 
 
 def _notes(settled: Settled) -> tuple[str, ...]:
     """Why starts have not settled, and what to type."""
-    reasons = settled.reasons()
-    more = f"type limit={10 * int(settled.run[settled.kind == UNSETTLED].max())} to run them on for longer" if reasons else ""
-    return (*reasons, more) if reasons else ()
+    moving = [int(settled.run[i]) for i in np.flatnonzero(settled.kind == UNSETTLED).tolist() if i in settled.long]
+    more = (f"type limit={10 * max(moving)} to run them on for longer",) if moving else ()
+    return (*settled.reasons(), *more)
 
 
-def _attractor(model: Model, members: Array, cases: int, settled: Settled, motions: Features, by_phase: bool) -> Attractor:
+def _attractor(model: Model, members: Array, cases: int, settled: Settled, motions: Features, by_phase: bool, image: str) -> Attractor:
     from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
 
     first = members[0]
@@ -309,7 +322,7 @@ def _attractor(model: Model, members: Array, cases: int, settled: Settled, motio
         orbit = periodic_orbit(model, count, guess=state) if count and not by_phase else None
     share, way = len(members) / cases, np.nan if is_flow(model) else float(np.mean(motions.mean_velocity[members]))
     exponent, error = (float(np.mean(each[members])) for each in (settled.exponent, settled.error))
-    return Attractor(kind, count, way, state, share, wilson(len(members), cases), orbit, exponent, error)
+    return Attractor(kind, count, way, state, share, wilson(len(members), cases), orbit, exponent, error, image)
 
 
 def wilson(hits: int, cases: int, z: float = 1.959963984540054) -> tuple[float, float]:

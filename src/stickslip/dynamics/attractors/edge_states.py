@@ -18,9 +18,9 @@ from stickslip.basics.progress import Reported, reporting
 from stickslip.basics.quantities import between
 from stickslip.dynamics.attractors.basin_sides import SideJudge, judge_between, named_motion, narrowed
 from stickslip.dynamics.attractors.basins import Attractor
+from stickslip.dynamics.attractors.period_numbers import LONGEST
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
-from stickslip.dynamics.stroboscopic.periodicity import LONGEST
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, strobe_map, strobe_orbit
 

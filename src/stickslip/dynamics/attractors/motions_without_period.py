@@ -14,7 +14,8 @@ from stickslip.dynamics.attractors.kinds_of_motion import CHAOTIC, PERIODIC, QUA
 from stickslip.dynamics.attractors.period_numbers import LONGEST, long_period, return_tolerance
 from stickslip.dynamics.attractors.starts_run_on import ERRORS, STRETCH, WatchedStarts
 from stickslip.dynamics.exponents.closed_curves import smooth_weights, winding_number
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, difference_jacobian, strobe_orbit
+from stickslip.dynamics.stroboscopic.differences import difference_jacobian
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, strobe_orbit
 
 _AGREE = 1e-3  # of the spread: weighted means of two halves of a quasi-periodic motion differ by less
 _ZERO = 1e-3  # per drive period: smaller exponents are not told from zero by a stretch
@@ -25,7 +26,8 @@ _NEAR = 0.05  # in scales: a start that closes in on an orbit is nearer than thi
 _RATE = 0.5  # of the orbit's own rate: how fast it must close in at least
 _CARRIED = 0.05  # of a difference from an orbit: how far it may be from what the derivative says of it
 _SLOW = 3.0  # e-foldings of a stretch: an orbit that attracts more slowly
-_TRIES = 4  # orbits that are looked for in a group, at most one for each start
+_TRIES = 4  # orbits that are looked for in a group, at most one for each start, and starts that are looked at for longer
+_LONG = 2000  # strobe points of these
 _EXPECTED = 5.0  # ends of transients that should have been seen, had the rate of before gone on, where none was: e^-5 < 1 %
 
 
@@ -52,7 +54,7 @@ class GroupOfStarts:
         self.of, self.rtol, self.rows, self.late = watched, rtol, rows, late
         self.model = cases_of(some_of(batch, rows[:1]))[0]
         self.orbits: list[tuple[Array, float, Array]] = []
-        self.tries = 0
+        self.tries, self.longer = 0, _TRIES
 
     def judge(self) -> None:
         """Say of each what it is."""
@@ -78,7 +80,7 @@ class GroupOfStarts:
         if _agree(long, of.at) and exponent <= ERRORS * error + _LINEAR * np.log(len(long)) / len(long):
             if not positive and self._closes_in(i):
                 return PERIODIC, ""
-            if winding_number(long[:, : of.at.smooth]) is not None:
+            if self._winds(long):
                 return QUASI_PERIODIC, ""
             no_curve = "nor do its strobe points wind round one closed curve, as those of a quasi-periodic motion do"
             return UNSETTLED, f"after {of.run[i]} drive periods it does not repeat, neighbours do not part as in chaos, {no_curve}"
@@ -87,6 +89,17 @@ class GroupOfStarts:
         if self._closes_in(i):
             return PERIODIC, ""
         return UNSETTLED, f"still moves after {of.run[i]} drive periods, and neither repeats nor is chaotic or quasi-periodic"
+
+    def _winds(self, long: Array) -> bool:
+        """Whether strobe points wind round one closed curve; some are looked at for longer, to tell a winding from a fraction beside it."""
+        smooth = self.of.at.smooth
+        if winding_number(long[:, :smooth]) is not None:
+            return True
+        if not self.longer:
+            return False
+        self.longer -= 1
+        more = strobe_orbit(self.model, long[-1:, :-1], _LONG - len(long), self.rtol)[0][:, 0]
+        return winding_number(np.vstack([long[:, :smooth], more[:, :smooth]])) is not None
 
     def _closes_in(self, i: int) -> bool:
         """Whether a start closes in on a stable orbit; if so, it has the strobe points of that orbit from now on."""

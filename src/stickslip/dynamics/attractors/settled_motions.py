@@ -11,7 +11,8 @@ long stretch, and is called by what that shows:
 - *chaotic*: the largest Lyapunov exponent is positive by more than three of its standard errors, volumes are not preserved, and no other
   start of the group left such a motion late: a chaotic transient has a positive exponent too, but an end.
 - *runs away*: the state grows without bound.
-- *not settled*: everything else, with the reason.
+- *not settled*: everything else, with the reason. A start on a periodic motion that a nudge leaves, where it stays by its symmetry alone,
+  is none of that motion's either.
 """
 
 from __future__ import annotations
@@ -27,13 +28,14 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import Problems, is_whole
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import Ending, partial_result
-from stickslip.dynamics.attractors.kinds_of_motion import ATTRACTING, RUNS_AWAY, UNSETTLED, UNSOLVED
+from stickslip.dynamics.attractors.kinds_of_motion import ATTRACTING, PERIODIC, RUNS_AWAY, UNSETTLED, UNSOLVED
 from stickslip.dynamics.attractors.motions_without_period import GroupOfStarts, late_ends
 from stickslip.dynamics.attractors.period_numbers import POINTS
-from stickslip.dynamics.attractors.starts_run_on import STRETCH, StartsRun, WatchedStarts
+from stickslip.dynamics.attractors.starts_run_on import NUDGE, NUDGED, STRETCH, StartsRun, WatchedStarts
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, over_chunks
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates
 
+_LEFT = 10.0  # times as large: a nudge that has grown so much was given to an unstable motion
 LIMIT = 8  # times the drive periods of settling: how long a start is run on, unless a limit is given
 
 
@@ -143,6 +145,7 @@ def settled_motions(
     def work(part: slice, tell: Callable[[float], None]) -> WatchedStarts:
         run = StartsRun(some_of(batch, part), np.array(states[part], float), at, rtol, points)
         run.settle(settle, limit, tell)
+        run.nudge()
         run.look_long(exponents)
         return run.watched
 
@@ -153,8 +156,16 @@ def settled_motions(
     for group in np.unique(groups[left]):
         own = np.flatnonzero(groups == group)
         GroupOfStarts(batch, whole, rtol, np.intersect1d(left, own), late_ends(whole, own)).judge()
+    _on_unstable_motions(whole)
     whole.period[np.isin(whole.kind, (UNSOLVED, RUNS_AWAY, UNSETTLED))] = 0
     why = np.where(whole.kind == UNSETTLED, whole.why, "")
     return Settled(
         whole.kind, whole.period, whole.points, whole.ways, whole.long, whole.exponent, whole.error, whole.run, why, ending
     )  # fmt: skip
+
+
+def _on_unstable_motions(whole: WatchedStarts) -> None:
+    """Starts on periodic motions that a nudge leaves have not settled."""
+    for i in np.flatnonzero((whole.kind == PERIODIC) & (whole.leaves > _LEFT)).tolist():
+        grown = f"a nudge of {NUDGE:g} of the scales grows {whole.leaves[i]:.3g}-fold in {NUDGED} drive periods"
+        whole.kind[i], whole.why[i] = UNSETTLED, f"the start lies on an unstable motion of period {whole.period[i]}: {grown}; move it aside"

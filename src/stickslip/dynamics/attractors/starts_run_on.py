@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 STRETCH = 600  # drive periods over which a motion without a period is looked at
 ERRORS = 3.0  # a positive exponent is so many of its standard errors from zero
+NUDGE, NUDGED = 1e-6, 128  # in scales: how far a start is moved aside, and for how many drive periods it is watched then
 _EARLY = 24  # drive periods after which it is asked whether a state stands still to the last bit
 _FAR = 1e4  # in scales: a state beyond this, which has grown by half in each of the last stages, runs away
 _HALVINGS = 30  # of a drive period, in search of the instant at which a run ends
@@ -39,11 +40,12 @@ class WatchedStarts:
         self.exponent, self.error, self.run = np.full(cases, np.nan), np.full(cases, np.nan), np.zeros(cases, int)
         self.why, self.long = np.full(cases, "", dtype="<U200"), dict[int, Array]()
         self.grows = np.zeros(cases, bool)  # far away, and ever farther
+        self.leaves = np.zeros(cases)  # how many times as large a nudge has become, of starts that never moved from a periodic motion
         self.half, self.end = np.zeros(cases, bool), np.zeros(cases, bool)  # irregular when the second half of the run began, at its end
 
     def put(self, part: slice, watched: WatchedStarts) -> None:
         """Note what is known of a part."""
-        for name in ("points", "ways", "kind", "period", "exponent", "error", "run", "why", "grows", "half", "end"):
+        for name in ("points", "ways", "kind", "period", "exponent", "error", "run", "why", "grows", "leaves", "half", "end"):
             getattr(self, name)[part] = getattr(watched, name)
         self.long |= {part.start + i: long for i, long in watched.long.items()}
 
@@ -89,6 +91,21 @@ class StartsRun:
         """Which starts come steadily nearer to a periodic motion, and so are not irregular."""
         ask, scales, last = recurrence().approach, np.array(self.at.scales, float), self.watched.count - 1
         return np.array([bool(ask(rows_of_points(self.watched.points[i]), last, last, LONGEST, scales)) for i in rows], bool)
+
+    def nudge(self) -> None:
+        """Nudge the starts that are on a periodic motion from the first: what stays on an unstable one by symmetry alone leaves it then."""
+        watched, at = self.watched, self.at
+        repeats = np.flatnonzero(watched.kind == PERIODIC)
+        back = [np.min(at.distance(watched.points[i, -watched.period[i] :], self.starts[i])) for i in repeats]
+        rows = repeats[np.array(back) <= self.tolerance] if back else repeats
+        if not len(rows):
+            return
+        states, nudge = watched.points[rows, -1], np.zeros(len(at.names))
+        nudge[: at.smooth] = NUDGE * (-1.0) ** np.arange(at.smooth)
+        both = np.vstack([states, states + nudge * at.scales])
+        after = strobe_map(some_of(self.batch, np.tile(rows, 2)), both, NUDGED, self.rtol).state
+        with np.errstate(invalid="ignore"):
+            watched.leaves[rows] = np.nan_to_num(at.distance(after[len(rows) :], after[: len(rows)]) / NUDGE)
 
     def look_long(self, exponents: int) -> None:
         """Run what is left over a long stretch, and measure its exponents; find what ran away."""

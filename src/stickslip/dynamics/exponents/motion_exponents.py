@@ -145,12 +145,19 @@ _FORGOTTEN = (
     "beside it one below 1e-12 in a period"
 )
 
+_TOUCHED = (
+    "a switch is touched without being crossed, as by a state that stays at a limit where the equations change: there they have no "
+    "derivative, and the exponents are not known; type ss.largest_exponents(machine) for the largest, from neighbours"
+)
+
 
 def _summary(logs: Array) -> Lyapunov:
     """The result; an exponent that is -inf in any period is -inf, comes last, and has no error."""
     dead = np.isneginf(logs).any(axis=0)
     with np.errstate(invalid="ignore"):
         exponents = gathered(np.where(dead, -np.inf, logs), 1.0, "drive period")
+    if np.isnan(logs).any():
+        return replace(exponents, note=_TOUCHED)
     if not dead.any():
         return exponents
     return replace(exponents, errors=np.where(np.isneginf(exponents.spectrum), 0.0, exponents.errors), note=_FORGOTTEN)

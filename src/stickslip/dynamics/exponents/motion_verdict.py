@@ -1,21 +1,25 @@
-"""The verdict on a robot's motion: periodic, quasi-periodic or chaotic."""
+"""The verdict on a robot's motion: periodic, quasi-periodic, chaotic or not settled."""
 
 from __future__ import annotations
 
-from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 from stickslip.basics.arguments import Model, explains_arguments
-from stickslip.basics.errors import InputError, SolveError
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError, Problems, SolveError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible
 from stickslip.basics.notebook_display import Face
+from stickslip.dynamics.attractors.kinds_of_motion import CHAOTIC, PERIODIC, QUASI_PERIODIC, RUNS_AWAY, UNSETTLED, UNSOLVED
+from stickslip.dynamics.attractors.settled_motions import LIMIT, Settled, checked_limit, settled_motions
 from stickslip.dynamics.exponents.general_exponents import STRETCHES, Lyapunov
 from stickslip.dynamics.exponents.motion_exponents import check_exponents, exponents_along, state_after
 from stickslip.dynamics.exponents.rotation import Rotation, rotation_of_strobe
+from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
 from stickslip.dynamics.stroboscopic.chunked_runs import Report
-from stickslip.dynamics.stroboscopic.periodicity import repetition
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over
 
 
 @sealed
@@ -25,7 +29,7 @@ class Verdict(Face):
     Parameters
     ----------
     kind : str
-        "periodic", "quasi-periodic", "chaotic" or "undecided".
+        "periodic", "quasi-periodic", "chaotic" or "not settled".
     period : int or None
         Drive periods after which it repeats.
     exponents : Lyapunov
@@ -75,27 +79,36 @@ def verdict(
     periods: int = 1000,
     *,
     settle: int = 500,
+    limit: int | None = None,
     start: Any = None,
     rtol: float = 1e-8,
     progress: Report | None = None,
 ) -> Verdict:
-    """Periodic, quasi-periodic or chaotic: decided by the exponents and the strobe point together.
+    """Periodic, quasi-periodic or chaotic: by the rule of `basins` and `bifurcation`, and a second piece of evidence.
 
-    Periodic: the strobe point returns, Newton's method finds a stable orbit there, and the largest exponent is that of its multipliers.
-    Chaotic: it does not return, and the largest exponent is positive by more than three of its errors. Quasi-periodic: it does not return,
-    the largest exponent is zero within three errors that are small, and its strobe points wind round one closed curve, so that it has two
-    frequencies; their rotation number is given where two numbers of the state show the curve unfolded. Anything else is undecided.
+    A motion that does not repeat after `settle` drive periods is run on, up to `limit`, and then looked at over 600 more; see `basins`.
+    Periodic: its strobe points repeat or close in on an orbit, and Newton's method finds the orbit, which is not unstable. Chaotic: the
+    largest exponent is positive by more than three of its errors, by two neighbouring motions and by the tangent. Quasi-periodic: weighted
+    means agree, and the strobe points wind round one closed curve, so that it has two frequencies; their rotation number is given where two
+    numbers of the state show the curve unfolded. Anything else is not settled, and `why` has the reason.
 
     Parameters
     ----------
     model, periods, settle, start, rtol, progress
         As for `lyapunov`. For a periodic motion the exponents are averaged over whole motion periods, so slightly more drive periods than
-        requested may be used.
+        requested may be used. They begin after `settle`, or where a motion that took longer was recognised or given up.
+    limit : int, optional
+        Drive periods up to which a motion is run on that has not settled, eight times `settle` if not given.
 
     Returns
     -------
     Verdict
         `kind`, `period`, `exponents`, `orbit`, `rotation`, and `why`, the evidence in a sentence.
+
+    Raises
+    ------
+    SolveError
+        Where the state grows without bound, or cannot be solved: there are no exponents.
 
     Examples
     --------
@@ -104,24 +117,53 @@ def verdict(
     'periodic'
     """
     check_exponents(model, periods, settle)
-    state = state_after(model, start, settle, rtol)
-    back = repetition(model, state[0], rtol)
-    whole = STRETCHES * (back.period or 1)  # then every stretch whose mean counts for the error holds whole motion periods
-    exponents, interrupted = exponents_along(model, -(-periods // whole) * whole, 0, state[0], rtol, progress)
-    if interrupted:
-        return Verdict("undecided", back.period, exponents, None, f"{exponents.note}; {back.why}")
-    if back.period is not None:
-        orbit = None
-        with suppress(SolveError, InputError):
-            orbit = periodic_orbit(model, back.period, guess=back.state)
-        if orbit is not None and orbit.stable:
-            why = f"the strobe point returns after {back.period} and the largest multiplier is {abs(orbit.multipliers[0]):.4g}; {back.why}"
-            return Verdict("periodic", back.period, exponents, orbit, why)
-    evidence = f"the largest exponent is {exponents.largest:.4g} ± {exponents.error:.2g} per drive period over {periods} periods"
-    if back.period is None and exponents.chaotic:
-        return Verdict("chaotic", None, exponents, None, f"the strobe point does not return and {evidence}")
-    if back.period is None and exponents.error < 0.003 and abs(exponents.largest) < 3 * exponents.error + 1e-3:
-        rotation, description, winds = rotation_of_strobe(model, back.state, rtol)
+    problems = Problems("verdict")
+    most, first = checked_limit(problems, settle, limit), max(settle, 1)
+    problems.check()
+    motion = settled_motions(
+        spread_over(model, 1), states_of(start, model), coordinates(model), first, most or LIMIT * first, rtol, exponents=periods
+    )
+    if motion.kind[0] in (RUNS_AWAY, UNSOLVED):
+        why = "its state grows without bound" if motion.kind[0] == RUNS_AWAY else "it cannot be solved"
+        raise SolveError(f"verdict: the motion has no exponents, as {why}; give another start=, or other numbers")
+    last, repeats = motion.points[0, -1], int(motion.period[0])
+    begin = state_after(model, start, settle, rtol)[0] if motion.run[0] <= first else last
+    whole = STRETCHES * (repeats or 1)  # then every stretch whose mean counts for the error holds whole motion periods
+    exponents, interrupted = exponents_along(model, -(-periods // whole) * whole, 0, begin, rtol, progress)
+    judged = _judged(model, motion, exponents, last, rtol, interrupted)
+    return replace(judged, why=f"{exponents.note}; {judged.why}") if interrupted else judged
+
+
+def _judged(model: Model, motion: Settled, exponents: Lyapunov, state: Array, rtol: float, interrupted: bool) -> Verdict:
+    """What a motion is by the rule, if the second piece of evidence says the same."""
+    kind, repeats, run = str(motion.kind[0]), int(motion.period[0]), int(motion.run[0])
+    evidence = f"the largest exponent is {exponents.largest:.4g} ± {exponents.error:.2g} per drive period over {exponents.steps:g} periods"
+    if kind == PERIODIC:
+        return _periodic(model, repeats, exponents, state, run)
+    if kind == CHAOTIC and (exponents.chaotic or interrupted):
+        return Verdict(CHAOTIC, None, exponents, None, f"the strobe point does not return and {evidence}")
+    if kind == CHAOTIC:
+        neighbours = f"two neighbouring motions part by {motion.exponent[0]:.3g} ± {motion.error[0]:.2g} per drive period"
+        return Verdict(UNSETTLED, None, exponents, None, f"{neighbours}, but along the tangent {evidence}; try more periods")
+    if kind == QUASI_PERIODIC:
+        rotation, description, winds = rotation_of_strobe(model, state, rtol)
         why = f"the strobe point does not return and {evidence}: zero; {description}"
-        return Verdict("quasi-periodic" if winds else "undecided", None, exponents, None, why, rotation)
-    return Verdict("undecided", back.period, exponents, None, f"{evidence}; {back.why}; try more periods and a longer settle")
+        return Verdict(QUASI_PERIODIC if winds else UNSETTLED, None, exponents, None, why, rotation)
+    why = f"{motion.why[0]}; {evidence}; type limit={10 * run} to run it on for longer"
+    return Verdict(UNSETTLED, None, exponents, None, why)
+
+
+def _periodic(model: Model, period: int, exponents: Lyapunov, state: Array, run: int) -> Verdict:
+    """A motion whose strobe points repeat is periodic if there is an orbit that does not repel it."""
+    orbit, returns = None, f"after {run} drive periods the strobe point returns after {period}"
+    try:
+        orbit = periodic_orbit(model, period, guess=state)
+    except (SolveError, InputError) as error:
+        return Verdict(UNSETTLED, None, exponents, None, f"{returns}, but there is no orbit: {error}; try a longer settle")
+    largest = f"the largest multiplier is {abs(orbit.multipliers[0]):.4g}" if len(orbit.multipliers) else "it has no multipliers"
+    if orbit.stability == "unstable":
+        why = f"{returns}, but the orbit there is unstable ({largest}): what stays on it for now leaves it in the end; try another start"
+        return Verdict(UNSETTLED, None, exponents, None, why)
+    neutral = "" if orbit.stable else f", which is {orbit.stability}"
+    why = f"{returns} and {largest}{neutral}; Newton's method finds the orbit to {orbit.residual:.1e} of its scales"
+    return Verdict(PERIODIC, period, exponents, orbit, why)

@@ -16,7 +16,8 @@ from stickslip.dynamics.derivatives.tangents import jacobian_of
 from stickslip.dynamics.periodic.closed_orbits import ClosedMotion, multipliers_of, resting
 from stickslip.dynamics.periodic.cycle_sections import TURN, Section, returns, section_of, states_of_returns
 from stickslip.dynamics.periodic.newton import newton_within
-from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, difference_jacobian, largest_size
+from stickslip.dynamics.stroboscopic.differences import difference_jacobian
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, largest_size
 from stickslip.models.machine_adapter import machine_of
 from stickslip.results.steadiness import way_of_machine
 

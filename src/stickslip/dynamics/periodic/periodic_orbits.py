@@ -22,11 +22,11 @@ from stickslip.dynamics.periodic.drifting import drift_sentence
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.periodic.limit_cycles import limit_cycle
 from stickslip.dynamics.periodic.newton import STEP, Root, newton_within
+from stickslip.dynamics.stroboscopic.differences import at_limits, beyond_limits, difference_jacobian
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import (
     Coordinates,
     coordinates,
-    difference_jacobian,
     flight,
     position_of,
     state_at_rest,
@@ -115,6 +115,9 @@ class PeriodicOrbit(ClosedMotion):
         source = "tangent of the system along the orbit, through every switch"
         if self._is_neutral:
             source += "; a contact that rests all the time may rest anywhere nearby, which adds a multiplier of 1"
+        if limits := at_limits(self.model, self.state):
+            stand = "stands" if len(limits) == 1 else "stand"
+            source += f"; one-sided: {', '.join(limits)} {stand} at a limit of the law, and the derivative is that from within it"
         if orders_differ(self.model, self.state, self.period, self.rtol):
             return f"{source}; one-sided: contacts switch at one instant, and their order under perturbations matters"
         return source
@@ -243,14 +246,18 @@ def periodic_orbit(
         return _orbit_of_flow(model, int(period), guess)
     if autonomous:
         return limit_cycle(model, int(period), guess, rtol=rtol, tolerance=tolerance)
-    at, tried = coordinates(model), []
+    at, tried, beyond = coordinates(model), list[Root](), tuple[str, ...]()
     for state in _from_rest(model, int(period), at) if guess is None else [states_of(guess, model)[0]]:
         root = _solve(model, int(period), state, rtol, tolerance)
         tried.append(root)
         state = np.append(root.at * at.scales[: at.smooth], root.memory)
-        if root.good and not _shorter(model, state, int(period), rtol):
+        beyond = beyond_limits(model, state) if root.good else ()
+        if root.good and not beyond and not _shorter(model, state, int(period), rtol):
             state = with_rests(model, state, int(period), rtol)
             return PeriodicOrbit(model, int(period), state, root.residual, rtol)
+    if beyond:
+        why = f"Newton's method went to a state whose {', '.join(beyond)} is beyond the limit at which a memory of the law switches"
+        raise SolveError(f"no motion of period {period} was found: {why}, to which no run leads; give guess=ss.solve(robot, periods=200)")
     raise SolveError(_failure(model, int(period), tried, guess))
 
 

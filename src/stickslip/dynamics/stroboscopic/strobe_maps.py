@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.basics.batch import cases_of, labels_of, spread_over_cases
-from stickslip.basics.contracts import Array, ArrayLike, Model, Numeric
+from stickslip.basics.contracts import Array, ArrayLike, Model
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.basics.frozen_arrays import sealed
@@ -515,21 +515,3 @@ def strobe_orbit(model: Model, states: ArrayLike, count: int, rtol: float = 1e-9
         kept.append(state)
         ways.append(end.displacement)
     return np.array(kept), np.array(ways)
-
-
-def difference_jacobian(
-    model: Model, state: Numeric, periods: int = 1, rtol: float = 1e-12, step: float = 1e-6, span: float | None = None
-) -> Array:
-    """The derivative of the strobe map by central differences of one batch; a law's memories are kept as they are.
-
-    Parameters
-    ----------
-    step : float
-        Half the distance of the two points, in the scales of `coordinates`.
-    """
-    at = coordinates(model)
-    d, scales = at.smooth, at.scales[: at.smooth]
-    shifts = np.vstack([np.eye(d, len(at.names)), -np.eye(d, len(at.names))]) * (step * at.scales)
-    states = np.asarray(state, float) + shifts
-    ends = (strobe_map(model, states, periods, rtol) if span is None else flow_map(model, states, span, rtol)).state[:, :d]
-    return ((ends[:d] - ends[d:]) / (2 * step * scales[:, None])).T

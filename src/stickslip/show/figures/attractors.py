@@ -10,7 +10,7 @@ from stickslip.basics.arguments import Ax, Grid
 from stickslip.basics.errors import InputError
 from stickslip.show.figures.style import COLOURS, UNSETTLED, UNSETTLED_MARK, axes, drawing, legend_above, side_of
 
-_BESIDE = ("period", "motion", "exponent", "error", "share", "share_low", "share_high", "mode")
+_BESIDE = ("period", "image", "motion", "exponent", "error", "share", "share_low", "share_high", "mode")
 
 
 @drawing

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from stickslip.dynamics.attractors.kinds_of_motion import PERIODIC, UNSETTLED
 from stickslip.show.paper.borders import FOUR, exact_types
 from stickslip.show.paper.cases import AMPLITUDE_5, CASES, rig
 from stickslip.show.paper.followed_motions import Followed, stable_range
@@ -154,24 +156,24 @@ def _search(reading: Reading, A: Any, two: Followed, points: int) -> ReadingSear
 
 
 def _motions(A: Any) -> list[dict[str, Any]]:
-    """The LuGre motions at mu0 = 0.04: periodic if Newton's method finds a stable orbit, otherwise judged by the largest exponent."""
+    """The LuGre motions at mu0 = 0.04, by the rule of `chaos_map`; periodic ones with the largest multiplier of their orbit."""
     from stickslip.dynamics.attractors.period_maps import chaos_map
     from stickslip.models.presets import piezo_rig
 
     computed = chaos_map(piezo_rig, amplitude=A, mu0=0.04, f0=0.21, tilt_deg=1.7, settle=300, periods=300, rtol=1e-7)
-    return [_judged(float(a), *map(float, row)) for a, *row in zip(A, computed.period, computed.exponent, computed.error, strict=True)]
+    columns = (computed.motion.values.tolist(), *(computed[name].values.tolist() for name in ("period", "exponent", "error")))
+    return [_with_its_orbit(float(a), *row) for a, *row in zip(A, *columns, strict=True)]
 
 
-def _judged(A: float, period: float, exponent: float, error: float) -> dict[str, Any]:
+def _with_its_orbit(A: float, kind: str, period: int, exponent: float, error: float) -> dict[str, Any]:
+    """A motion, and the largest multiplier of its orbit; without a stable orbit it has not settled."""
     from stickslip.basics.errors import SolveError
     from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
 
-    kind, multiplier = "chaotic" if period == 0 and exponent > 3 * error else "undecided", None
-    try:
-        orbit = periodic_orbit(rig(CASES[-1], amplitude=A, mu0=0.04, f0=0.21), int(period)) if period else None
-        if orbit is not None and orbit.stable:
-            kind, multiplier = "periodic", float(abs(orbit.multipliers[0]))
-    except SolveError:
-        pass
-    period = int(period) if kind == "periodic" else 0
-    return {"kind": kind, "period": period, "multiplier": multiplier, "exponent": exponent, "error": error}
+    multiplier = None
+    if kind == PERIODIC:
+        with suppress(SolveError):
+            orbit = periodic_orbit(rig(CASES[-1], amplitude=A, mu0=0.04, f0=0.21), period)
+            multiplier = float(abs(orbit.multipliers[0])) if orbit.stable else None
+        kind = UNSETTLED if multiplier is None else kind
+    return {"kind": kind, "period": period if kind == PERIODIC else 0, "multiplier": multiplier, "exponent": exponent, "error": error}

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.interruption import in_threads
+from stickslip.dynamics.attractors.kinds_of_motion import CHAOTIC
 from stickslip.show.paper.cases import AMPLITUDE_5
 from stickslip.show.paper.solved_runs import Tell
 from stickslip.show.paper.words import millimetres, plain
@@ -57,20 +58,20 @@ class ParameterMap:
 
     @cached_property
     def shares(self) -> dict[str, float]:
-        """Fractions of the map: period one, two, higher, chaotic, undecided."""
+        """Fractions of the map: period one, two, higher, chaotic, and what is neither, most of it not settled within the limit."""
         period, chaotic = self.grid.period.values, self.chaotic
         return {
             "period 1": float(np.mean(period == 1)),
             "period 2": float(np.mean(period == 2)),
             "higher periods": float(np.mean(period > 2)),
             "chaotic": float(np.mean(chaotic)),
-            "not decided": float(np.mean((period == 0) & ~chaotic)),
+            "not settled": float(np.mean((period == 0) & ~chaotic)),
         }
 
     @cached_property
     def chaotic(self) -> Any:
-        """The mask of motions that do not repeat and whose largest exponent exceeds three standard errors."""
-        return (self.grid.period.values == 0) & (self.grid.exponent.values > 3 * self.grid.error.values)
+        """The mask of chaotic motions, by the rule of `stickslip.chaos_map`."""
+        return self.grid.motion.values == CHAOTIC
 
     @property
     def largest(self) -> dict[str, float]:

@@ -26,7 +26,7 @@ class FigureMotion:
     figure : int
         The paper's figure.
     kind : str
-        "periodic", "quasi-periodic", "chaotic" or "undecided".
+        "periodic", "quasi-periodic", "chaotic" or "not settled".
     period : int or None
         Drive periods until it repeats.
     multipliers : tuple of complex

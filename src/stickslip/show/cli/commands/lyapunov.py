@@ -67,10 +67,9 @@ def _one(asked: Namespace) -> Outcome:
     return Outcome(record, text, ((asked.figure, lambda: convergence(l)),), asked.out, _convergence(judged, study.title()))
 
 
-def _settle(words: list[str], limit: bool = False) -> tuple[dict[str, Any], list[str]]:
-    """Separate ``settle=`` from the other words, as these periods precede those of ``periods=``, and of a map ``limit=``."""
-    names = ("settle", "limit") if limit else ("settle",)
-    mine = [word for word in words if word.partition("=")[0] in names]
+def _settle(words: list[str]) -> tuple[dict[str, Any], list[str]]:
+    """Separate ``settle=`` and ``limit=`` from the other words, as these periods precede those of ``periods=``."""
+    mine = [word for word in words if word.partition("=")[0] in ("settle", "limit")]
     pairs = [(name, value(text)) for name, _, text in (word.partition("=") for word in mine)]
     return dict(pairs), [word for word in words if word not in mine]
 
@@ -106,7 +105,7 @@ def _map(asked: Namespace) -> Outcome:
     from stickslip.dynamics.attractors.period_maps import chaos_map
     from stickslip.show.figures import chaos_map as draw
 
-    settle, rest = _settle(asked.settings, limit=True)
+    settle, rest = _settle(asked.settings)
     study = subject(asked.robot, rest, many=True, solver=("periods", "rtol", "workers", "start.x", "start.v", "start.z"), strict=False)
     grid = chaos_map(study.make, progress=True, **settle, **study.options, **study.arguments)
     axes = [str(d) for d in grid.period.dims]
