@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 
 import stickslip as ss
-from stickslip.studies.progress import Lines
 
 RIG = dict(tilt_deg=1.7, amplitude=6e-4)
 #: Figure or sentence of section 5 -> arguments of the preset; amplitudes are inferred (the paper prints none).
@@ -70,7 +69,7 @@ def motions(folder: Path) -> None:
     kept = folder / "chaos_map.nc"
     if not kept.exists():
         axes = dict(mu0=np.linspace(0.032, 0.08, 60), amplitude=np.linspace(3e-4, 9e-4, 80))
-        found = ss.chaos_map(ss.presets.piezo_rig, **axes, tilt_deg=1.7, settle=300, periods=150, workers=2, progress=Lines())
+        found = ss.chaos_map(ss.presets.piezo_rig, **axes, tilt_deg=1.7, settle=300, periods=150, workers=2, progress=True)
         found.to_netcdf(kept, engine="h5netcdf")
     grid = xr.load_dataset(kept, engine="h5netcdf")
     chaotic = ((grid.period == 0) & (grid.exponent > 3 * grid.error)).mean()

@@ -29,12 +29,12 @@ class Scale:
             return np.log(np.asarray(value) / self.low) / np.log(self.high / self.low)
         return (np.asarray(value) - self.low) / (self.high - self.low)
 
-    def outer(self, place: Any) -> Any:
-        """The value at a place between 0 and 1."""
+    def outer(self, part: Any) -> Any:
+        """The value at a part of the way, 0 to 1."""
         if self.log:
-            return self.low * (self.high / self.low) ** place
-        return self.low + (self.high - self.low) * place
+            return self.low * (self.high / self.low) ** part
+        return self.low + (self.high - self.low) * part
 
-    def slope(self, place: Any) -> float:
-        """d value / d place."""
-        return float(self.outer(place) * np.log(self.high / self.low)) if self.log else self.high - self.low
+    def slope(self, part: Any) -> float:
+        """d value / d part."""
+        return float(self.outer(part) * np.log(self.high / self.low)) if self.log else self.high - self.low

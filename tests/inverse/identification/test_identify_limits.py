@@ -9,7 +9,7 @@ from stickslip.inverse.identification.force_problem import DrivenProblem
 from stickslip.inverse.identification.law_forces import driven_force
 from stickslip.inverse.identification.motions import Motion
 from stickslip.inverse.identification.parameters import parameters
-from stickslip.inverse.identification.search import multistart, starting_places
+from stickslip.inverse.identification.search import multistart, starting_points
 from stickslip.inverse.identification.uncertainty import faults
 
 RIG = ss.presets.piezo_rig
@@ -40,11 +40,11 @@ def test_every_place_of_a_multistart_is_possible_and_has_its_coordinates_back(ki
     of = parameters(make, free, None, known, count)
     inner = multistart(len(of.free), 16, 0)
     assert any(of.models(place) is None for place in inner)  # without coordinates of its own
-    places = starting_places(of, 16, 0)
+    places = starting_points(of, 16, 0)
     assert all(of.models(place) is not None for place in places)
     assert np.allclose([of.limits.inner(place) for place in places], inner, rtol=0, atol=1e-12)
     held = of.only({of.names[0]: float(of.free[0].outer(places[3][0]))})
-    assert all(held.models(place) is not None for place in starting_places(held, 8, 0))
+    assert all(held.models(place) is not None for place in starting_points(held, 8, 0))
 
 
 @each_row("kind", LIMITED)

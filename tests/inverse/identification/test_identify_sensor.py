@@ -14,7 +14,7 @@ from stickslip.basics.information import Information
 from stickslip.engine.law_steps import law_steps
 from stickslip.engine.symbolic import numbers_of
 from stickslip.inverse.identification.covariance import determined_spread
-from stickslip.inverse.identification.effects import EFFECTS
+from stickslip.inverse.identification.friction_effects import EFFECTS
 from stickslip.inverse.identification.identify import problem_of
 from stickslip.inverse.identification.law_forces import Stepped, _step_by_step, driven_force
 from stickslip.inverse.identification.motions import Motion, motion_of

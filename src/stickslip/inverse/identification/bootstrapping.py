@@ -65,12 +65,12 @@ def bootstrap(fit: Fit, repeats: int, seed: int, workers: int = 1) -> Any:
     problems.whole("workers", workers, 1, example=2)
     problems.check()
     resampled = [_resampled_problem(fit, np.random.default_rng([seed, r])) for r in range(repeats)]
-    places, settled = _stepped(fit, resampled, workers)
+    points, settled = _stepped(fit, resampled, workers)
     finished = partial(_finished, fit, resampled)
     for r, end in shared(finished, [r for r in range(repeats) if not settled[r]], workers):
-        places[r] = end.place
+        points[r] = end.place
     free = fit.problem.parameters.free
-    table = np.stack([np.array([float(f.outer(p)) for f, p in zip(free, place, strict=False)]) for place in places])
+    table = np.stack([np.array([float(f.outer(p)) for f, p in zip(free, point, strict=False)]) for point in points])
     return np.where(fit.information.undetermined[: len(free)], np.nan, table)
 
 
@@ -84,34 +84,34 @@ def _stepped(fit: Fit, problems: list[Any], workers: int) -> tuple[Any, Any]:
     low, high = fit.problem.bounds()
     inverse = fit.information.inverse
     small = _SMALL * fit.scale * np.sqrt(np.sum(inverse**2, axis=1))
-    places = np.tile(fit.place, (len(problems), 1))
+    points = np.tile(fit.place, (len(problems), 1))
     open_ones, settled = np.arange(len(problems)), np.zeros(len(problems), bool)
     costs = np.full(len(problems), np.inf)
     for _ in range(_STEPS):
         look()
-        rests = _residuals(problems, places, open_ones, workers)
+        rests = _residuals(problems, points, open_ones, workers)
         cost = np.sum(rests**2, axis=1)
         falls = cost <= costs[open_ones] * (1 + 1e-9)
         costs[open_ones] = cost
         steps = np.array([inverse @ rest.copy() for rest in rests])  # one by one: sums do not depend on how many there are
-        moved = np.clip(places[open_ones] - steps, low, high)
-        step = moved - places[open_ones]
+        moved = np.clip(points[open_ones] - steps, low, high)
+        step = moved - points[open_ones]
         near = np.linalg.norm(step @ fit.jacobian.T, axis=1) <= _NEAR * fit.scale
         done = falls & near & (abs(step) <= small).all(axis=1)
-        places[open_ones] = np.where(falls[:, None], moved, places[open_ones])
+        points[open_ones] = np.where(falls[:, None], moved, points[open_ones])
         settled[open_ones[done]] = True
         open_ones = open_ones[falls & ~done]
         if len(open_ones) == 0:
             break
-    return places, settled
+    return points, settled
 
 
-def _residuals(problems: list[Any], places: Array, which: Any, workers: int) -> Any:
+def _residuals(problems: list[Any], points: Array, which: Any, workers: int) -> Any:
     """Residuals of some replicates: array (replicates, values)."""
     if problems[0].batched:
-        least, most = problems[0].ends(places[which])
-        return np.stack([problems[r].rest((least[:, k], most[:, k]), places[r]) for k, r in enumerate(which)])
-    by_replicate = dict(shared(lambda r: problems[r].residuals(places[r]), which, workers))
+        least, most = problems[0].ends(points[which])
+        return np.stack([problems[r].rest((least[:, k], most[:, k]), points[r]) for k, r in enumerate(which)])
+    by_replicate = dict(shared(lambda r: problems[r].residuals(points[r]), which, workers))
     return np.stack([by_replicate[r] for r in which])
 
 

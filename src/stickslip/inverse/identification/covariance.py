@@ -19,19 +19,19 @@ _WHITE = 3.5  # standard errors within which the correlation of neighbours is th
 
 
 def information_of(problem: Any, jacobian: Any) -> Information:
-    """Information of data and priors about the numbers of a place."""
+    """Information of data and priors about the numbers of a point."""
     count = len(problem.y)
     return Information(jacobian[:count], problem.resolution, jacobian[count:])
 
 
-def noise_scale(problem: Any, found: Any) -> float:
+def noise_scale(problem: Any, minimum: Any) -> float:
     """The noise of the records over what the problem supposes, from all residuals; 1 where it was given, or nothing is left to tell it.
 
     Mean velocities whose sum of squares is beyond what their given noise allows (once in a thousand) are taken to be as noisy as they are
     far off (Birge's ratio): single numbers have no shape by which a wrong law could be told.
     """
-    exact = _counted(problem, found.residuals)
-    cost = float(np.sum(found.residuals[exact] ** 2))
+    exact = _counted(problem, minimum.residuals)
+    cost = float(np.sum(minimum.residuals[exact] ** 2))
     free = int(exact.sum()) - len(problem.parameters.free) - problem.nuisances
     known = all(t.given_sigma for t in problem.targets)
     if free < 1 or (known and (any(t.kind != "mean" for t in problem.targets) or _by_chance(cost, free) > _RARE)):
@@ -41,9 +41,9 @@ def noise_scale(problem: Any, found: Any) -> float:
 
 def _counted(problem: Any, residuals: Array) -> Any:
     """Which residuals, those of what is known beforehand included, have the noise that they have, and no end of a range."""
-    found = np.ones(len(residuals), bool)
-    found[: len(problem.y)] = problem.unclipped(residuals)
-    return found
+    counts = np.ones(len(residuals), bool)
+    counts[: len(problem.y)] = problem.unclipped(residuals)
+    return counts
 
 
 def _by_chance(cost: float, free: int) -> float:
@@ -53,21 +53,21 @@ def _by_chance(cost: float, free: int) -> float:
     return float(chi2.sf(cost, free))
 
 
-def noise_sizes(problem: Any, found: Any) -> Any:
+def noise_sizes(problem: Any, minimum: Any) -> Any:
     r"""The noise of each record over what its target supposes, beside that of the others: array (records,), its weighted mean 1.
 
     Of a record whose noise nobody gave it is from its own residuals: their sum of squares over their number less that of the fitted
     numbers which the record bears, the sum of the leverages of its values. Where the sizes have settled, the sum of all squares is
     :math:`n \exp(\sum_i \frac{n_i}{n} \ln s_i^2)`, which falls as the likelihood rises.
     """
-    count, exact = len(problem.y), problem.unclipped(found.residuals)
+    count, exact = len(problem.y), problem.unclipped(minimum.residuals)
     counts = np.array([int(part.sum()) for part in problem.parts(exact)])
     sizes = problem.sizes * np.ones(len(counts))
     own = np.array([not t.given_sigma for t in problem.targets]) & (counts >= _ENOUGH)
     if own.sum() < 2:
         return sizes
-    borne = np.sum(found.jacobian[:count] * information_of(problem, found.jacobian).inverse[:, :count].T, axis=1)
-    squares, lost = (np.array([part.sum() for part in problem.parts(each * exact)]) for each in (found.residuals[:count] ** 2, borne))
+    borne = np.sum(minimum.jacobian[:count] * information_of(problem, minimum.jacobian).inverse[:, :count].T, axis=1)
+    squares, lost = (np.array([part.sum() for part in problem.parts(each * exact)]) for each in (minimum.residuals[:count] ** 2, borne))
     noise = sizes * np.sqrt(np.maximum(squares, np.finfo(float).tiny) / np.maximum(counts - lost, 1.0))
     logs = np.log(noise[own])
     logs = np.clip(logs - np.average(logs, weights=counts[own]), -np.log(_TIMES), np.log(_TIMES))
@@ -75,9 +75,9 @@ def noise_sizes(problem: Any, found: Any) -> Any:
     return sizes
 
 
-def with_noise_of(problem: Any, found: Any) -> Any:
+def with_noise_of(problem: Any, minimum: Any) -> Any:
     """The problem with the noise that the residuals have, of each record and of all; the same one where it has that already."""
-    sizes, scale = noise_sizes(problem, found), noise_scale(problem, found)
+    sizes, scale = noise_sizes(problem, minimum), noise_scale(problem, minimum)
     trust = scale if problem.has_known_rows and abs(scale / problem.trust - 1) >= _SAME else problem.trust
     if trust == problem.trust and (abs(sizes / problem.sizes - 1) < _ALIKE).all():
         return problem
@@ -85,13 +85,13 @@ def with_noise_of(problem: Any, found: Any) -> Any:
 
 
 def spread_of(problem: Any, jacobian: Any, residuals: Array, scale: float, changes: Any = None, misfit: Any = None) -> Any:
-    """Covariance of the numbers of a place, infinite variance for those that are undetermined, also by noise of the input."""
-    found = information_of(problem, jacobian).marked(determined_spread(problem, jacobian, residuals, scale, changes, misfit))
+    """Covariance of the numbers of a point, infinite variance for those that are undetermined, also by noise of the input."""
+    covariance = information_of(problem, jacobian).marked(determined_spread(problem, jacobian, residuals, scale, changes, misfit))
     if changes is not None:
         lost = lost_to_the_input(problem, jacobian, changes)
-        found[lost] = found[:, lost] = np.nan
-        found[lost, lost] = np.inf
-    return found
+        covariance[lost] = covariance[:, lost] = np.nan
+        covariance[lost, lost] = np.inf
+    return covariance
 
 
 def lost_to_the_input(problem: Any, jacobian: ArrayLike, changes: Any) -> list[int]:
@@ -103,9 +103,9 @@ def lost_to_the_input(problem: Any, jacobian: ArrayLike, changes: Any) -> list[i
 
 
 def from_the_input(problem: Any, jacobian: ArrayLike, changes: Any) -> Any:
-    r"""Covariance of the numbers of a place that the noise of the input (position, load) makes, by its changes of what is met.
+    r"""Covariance of the numbers of a point that the noise of the input (position, load) makes, by its changes of what is met.
 
-    A change :math:`\delta` of the model moves the place by :math:`-P\delta`, with the pseudo-inverse P of the derivatives. The mean square
+    A change :math:`\delta` of the model moves the point by :math:`-P\delta`, with the pseudo-inverse P of the derivatives. The mean square
     over repetitions is taken and not the variance: a shift that all of them have is an error as well.
     """
     if changes is None:
@@ -115,24 +115,24 @@ def from_the_input(problem: Any, jacobian: ArrayLike, changes: Any) -> Any:
 
 
 def determined_spread(problem: Any, jacobian: Any, residuals: Array, scale: float, changes: Any = None, misfit: Any = None) -> Any:
-    r"""Covariance of the numbers of a place with undetermined directions left out.
+    r"""Covariance of the numbers of a point with undetermined directions left out.
 
     With the pseudo-inverse P of the derivatives it is :math:`P\,\Omega\,P^T`. Omega, the covariance of the residuals, is scale² times one
     where they are white. Of a record whose neighbouring residuals are correlated, it has their autocorrelation beside the diagonal. Then
     comes what the noise of the input moves (`from_the_input`), and what a misfit (`Misfit`) may have moved.
     """
     info = information_of(problem, jacobian)
-    found, inverse, begin = info.of_the_determined(scale), info.inverse, 0
+    covariance, inverse, begin = info.of_the_determined(scale), info.inverse, 0
     for target in problem.targets:
         end = begin + target.count
         if getattr(target, "within", 0.0) == 0.0:  # averaged values have lost their order
-            found = found + _coloured(inverse[:, begin:end], residuals[begin:end], scale)
+            covariance = covariance + _coloured(inverse[:, begin:end], residuals[begin:end], scale)
         begin = end
-    found = found + from_the_input(problem, jacobian, changes)
+    covariance = covariance + from_the_input(problem, jacobian, changes)
     if misfit is None:
-        return found
+        return covariance
     moved = inverse[:, : len(misfit.columns)] @ misfit.columns
-    return misfit.factor**2 * found + moved @ moved.T
+    return misfit.factor**2 * covariance + moved @ moved.T
 
 
 def correlations_of(covariance: ArrayLike) -> Any:
@@ -140,9 +140,9 @@ def correlations_of(covariance: ArrayLike) -> Any:
     size = np.sqrt(np.diag(covariance))
     known = np.isfinite(size)
     product = np.where(np.outer(known, known), np.outer(np.where(known, size, 0.0), np.where(known, size, 0.0)), np.nan)
-    found = np.where(np.outer(known, known), covariance, np.nan) / np.where(product == 0, 1.0, product)
-    found[~known, ~known] = 1.0
-    return found
+    correlations = np.where(np.outer(known, known), covariance, np.nan) / np.where(product == 0, 1.0, product)
+    correlations[~known, ~known] = 1.0
+    return correlations
 
 
 def correlated(names: list[str], covariance: ArrayLike) -> list[tuple[str, str, float]]:
@@ -186,8 +186,8 @@ def autocorrelation(rest: Array) -> Any:
     """Correlation of residuals over their distance, 1 at zero: array (n,)."""
     n, r = len(rest), rest - rest.mean()
     lines = np.fft.rfft(r, 2 * n)
-    found = np.fft.irfft(lines * np.conj(lines))[:n].real
-    return found / found[0]
+    correlation = np.fft.irfft(lines * np.conj(lines))[:n].real
+    return correlation / correlation[0]
 
 
 def _memory(rho: Any) -> int:

@@ -147,10 +147,10 @@ class Fit(Face):
 
         The delay of a record of steady motion is never determined: the drive's phase in the record is not known.
         """
-        found = self._numbers("the sensor")
+        numbers = self._numbers("the sensor")
         asked = self.problem.given is None or "delay" in self.problem.given
         steady = any(t.kind in ("velocity", "position") for t in self.problem.targets)
-        return found | ({"delay": (0.0, float("inf"))} if asked and steady and "delay" not in found else {})
+        return numbers | ({"delay": (0.0, float("inf"))} if asked and steady and "delay" not in numbers else {})
 
     @property
     def drive(self) -> dict[str, tuple[float, float]]:
@@ -163,15 +163,15 @@ class Fit(Face):
     def _numbers(self, of: str) -> dict[str, tuple[float, float]]:
         """Numbers of the sensors, or of the drive: name -> (value, standard error)."""
         own = ((k, n) for k, n in enumerate(self.problem.numbers, self.problem.first) if n.of == of)
-        found = {n.name: (float(self.place[k]), float(np.sqrt(self.spread[k, k]))) for k, n in own}
-        return found | {n.name: (n.value, 0.0) for n in self.problem.held if n.of == of}
+        fitted = {n.name: (float(self.place[k]), float(np.sqrt(self.spread[k, k]))) for k, n in own}
+        return fitted | {n.name: (n.value, 0.0) for n in self.problem.held if n.of == of}
 
     @cached_property
     def input_spread(self) -> NDArray[np.float64]:
         """Standard error of each parameter from noise of the motion, on the scale of the search: array (parameters,)."""
         n = len(self.names)
-        found = from_the_input(self.problem, self.jacobian, self.changes)
-        return np.sqrt(np.diag(found)[:n]) if np.ndim(found) else np.zeros(n)
+        covariance = from_the_input(self.problem, self.jacobian, self.changes)
+        return np.sqrt(np.diag(covariance)[:n]) if np.ndim(covariance) else np.zeros(n)
 
     @property
     def input_errors(self) -> dict[str, float]:
@@ -186,7 +186,7 @@ class Fit(Face):
     @property
     def combinations(self) -> list[tuple[str, float, float]]:
         """Combinations of undetermined parameters that the data do determine: (formula, value, standard error)."""
-        return [(found.formula, found.value, found.error) for found in self.determined]
+        return [(combination.formula, combination.value, combination.error) for combination in self.determined]
 
     @property
     def undetermined(self) -> tuple[str, ...]:
@@ -330,8 +330,8 @@ class Fit(Face):
     def _facts(self) -> dict[str, str]:
         from stickslip.inverse.identification.fit_text import known_line, sensor_lines
 
-        told = [line.partition(": ") for line in (known_line(self), *sensor_lines(self)) if line]
-        return {name: line for name, _, line in told}
+        lines = [line.partition(": ") for line in (known_line(self), *sensor_lines(self)) if line]
+        return {name: line for name, _, line in lines}
 
     def _tables(self) -> list[list[tuple[str, ...]]]:
         from stickslip.inverse.identification.fit_text import parameter_rows

@@ -31,7 +31,7 @@ from stickslip.inverse.identification.nesting import nested_seeds
 from stickslip.inverse.identification.parameters import Parameters, parameters
 from stickslip.inverse.identification.plausibility import doubts
 from stickslip.inverse.identification.refinement import canonical, finished, held_back, spared_note, spared_numbers
-from stickslip.inverse.identification.search import Found, searched, starting_places
+from stickslip.inverse.identification.search import Found, searched, starting_points
 from stickslip.inverse.identification.sensors import sensors_of, with_starts
 from stickslip.inverse.identification.steady_curves import moves_alike_anywhere
 from stickslip.inverse.identification.steady_problem import SteadyProblem
@@ -186,7 +186,7 @@ def problem_of(
 ) -> Sensed:  # fmt: skip
     """The least-squares problem of these records."""
     of = parameters(make, free, tied, arguments, len(records))
-    first = of.first_models(starting_places(of, starts, seed))
+    first = of.first_models(starting_points(of, starts, seed))
     machines = is_machine(first[0])
     _refuse_chance(first[0], machines)
     if machines and (using == "force" or (using == "auto" and takes_records(first[0], records))):

@@ -35,7 +35,7 @@ class Sensed:
 
     with the model's h, gain g, delay :math:`\tau`, offset b, drift d (t from the middle of the record) and, of forces, the inertia m of
     the parts between contact and sensor, times their acceleration. A preload acts on the model itself. Uncertain numbers add a row each,
-    (value - mean) / sd. A place is that of the model (free parameters between 0 and 1, then phases), followed by the numbers of the
+    (value - mean) / sd. A point is that of the model (free parameters between 0 and 1, then phases), followed by the numbers of the
     sensors.
 
     Parameters
@@ -92,7 +92,7 @@ class Sensed:
 
     @property
     def batched(self) -> bool:
-        """Whether many places cost little more than one."""
+        """Whether many points cost little more than one."""
         return bool(self.model.batched)
 
     @property
@@ -102,7 +102,7 @@ class Sensed:
 
     @property
     def first(self) -> int:
-        """Where in a place the numbers of the sensors begin."""
+        """Where in a point the numbers of the sensors begin."""
         return len(self.parameters.free) + int(self.model.timing)
 
     @property
@@ -155,10 +155,10 @@ class Sensed:
         """The same fit for the search, in which drives have no harmonics."""
         return self._like(self.model.rough(), numbers=tuple(n for n in self.numbers if n.searched))
 
-    def whole(self, place: Array) -> Any:
-        """A place of the search with the numbers that it lacks, at those of an ideal drive."""
-        own = iter(place[self.first :])
-        return np.array([*place[: self.first], *(next(own) if n.searched else n.neutral for n in self.numbers)])
+    def whole(self, point: Array) -> Any:
+        """A point of the search with the numbers that it lacks, at those of an ideal drive."""
+        own = iter(point[self.first :])
+        return np.array([*point[: self.first], *(next(own) if n.searched else n.neutral for n in self.numbers)])
 
     def trusting(self, trust: float, sizes: Any = None) -> Sensed:
         """The same fit where the records' noise is known better, and that of each beside the others."""
@@ -168,40 +168,40 @@ class Sensed:
         """The same fit where a robust loss gives the values these weights."""
         return self._like(self.model, rows=rows)
 
-    def holding(self, names: Any, place: Any = None) -> Sensed:
-        """The same fit with some numbers of the sensors held: where a place has them, else at those of an ideal sensor."""
-        values = [n.neutral for n in self.numbers] if place is None else place[self.first :]
+    def holding(self, names: Any, point: Any = None) -> Sensed:
+        """The same fit with some numbers of the sensors held: where a point has them, else at those of an ideal sensor."""
+        values = [n.neutral for n in self.numbers] if point is None else point[self.first :]
         kept = tuple(n for n in self.numbers if n.name not in names)
         fixed = tuple(dataclasses.replace(n, value=float(v)) for n, v in zip(self.numbers, values, strict=True) if n.name in names)
         return self._like(self.model, numbers=kept, held=(*self.held, *fixed))
 
     # ---- predictions ----
-    def readings(self, places: Array) -> list[dict[str, Any]]:
-        """Effects of the sensor of each record: name -> value, or one for each column of places (numbers, cases)."""
+    def readings(self, points: Array) -> list[dict[str, Any]]:
+        """Effects of the sensor of each record: name -> value, or one for each column of points (numbers, cases)."""
         readings: list[dict[str, Any]] = [{} for _ in self.targets]
-        values = [*zip(self.numbers, places[self.first :], strict=True), *((n, n.value) for n in self.held)]
+        values = [*zip(self.numbers, points[self.first :], strict=True), *((n, n.value) for n in self.held)]
         for number, value in values:
             for i in number.records:
                 readings[i][number.what] = value
         return readings
 
-    def ends(self, places: Array) -> tuple[Any, Any]:
-        """The least and the greatest values for many places (cases, numbers): arrays (values, cases); NaN where a place makes no model.
+    def ends(self, points: Array) -> tuple[Any, Any]:
+        """The least and the greatest values for many points (cases, numbers): arrays (values, cases); NaN where a point makes no model.
 
         They differ where a contact is held, which bears any force between them.
         """
-        columns = np.asarray(places, float).T
+        columns = np.asarray(points, float).T
         readings = self.readings(columns)
         return self._shown(self.model.ends(columns[: self.first].T, readings), readings)
 
-    def batch(self, places: Array) -> Any:
-        """Values for many places (cases, numbers): array (values, cases); NaN where a place makes no model."""
-        return self._met(self.ends(places))
+    def batch(self, points: Array) -> Any:
+        """Values for many points (cases, numbers): array (values, cases); NaN where a point makes no model."""
+        return self._met(self.ends(points))
 
-    def predicted(self, place: Array) -> Any:
+    def predicted(self, point: Array) -> Any:
         """Values of all records in the order of `y`; None where the parameters make no model."""
-        h = self._modelled(place)
-        return None if h is None else self._met(self._shown(h, self.readings(place)))
+        h = self._modelled(point)
+        return None if h is None else self._met(self._shown(h, self.readings(point)))
 
     def _met(self, ends: tuple[Any, Any]) -> Any:
         """The measured value if it lies between the least and the greatest value, else the nearer of these; of clipped samples the farther.
@@ -226,14 +226,14 @@ class Sensed:
         beyond = clipped * (self._met(ends) - self.y) / self.sigma
         return np.where(clipped == 0, 1.0, tail_slope(beyond)) if clipped.any() else np.ones(len(clipped))
 
-    def _modelled(self, place: Array) -> tuple[Any, Any] | None:
-        """Least and greatest values that the model gives before any sensor; the last few places are remembered."""
-        place = np.asarray(place, float)
-        key = tuple(place.tolist())
+    def _modelled(self, point: Array) -> tuple[Any, Any] | None:
+        """Least and greatest values that the model gives before any sensor; the last few points are remembered."""
+        point = np.asarray(point, float)
+        key = tuple(point.tolist())
         if key not in self._memory:
             if len(self._memory) > 4:
                 self._memory.clear()
-            ends = _both(lambda h: h[:, 0], self.model.ends(place[None, : self.first], self.readings(place[:, None])))
+            ends = _both(lambda h: h[:, 0], self.model.ends(point[None, : self.first], self.readings(point[:, None])))
             self._memory[key] = ends if np.isfinite(ends).all() else None
         return self._memory[key]
 
@@ -250,37 +250,37 @@ class Sensed:
         """A function of (target, values, readings) for all records."""
         return np.concatenate([function(t, part, r) for t, part, r in zip(self.targets, self.parts(whole), readings, strict=True)])
 
-    def input_changes(self, place: Array, times: int = REDRAWS) -> Any:
+    def input_changes(self, point: Array, times: int = REDRAWS) -> Any:
         """By how much other noise of the input (position, load) changes what is met, in standard deviations: array (values, times).
 
         None where the input has no noise.
         """
-        here = self.predicted(place)
+        here = self.predicted(point)
         if not self.model.has_noise or here is None:
             return None
-        each = (self._like(self.model.redrawn(k)).predicted(place) for k in range(times))
+        each = (self._like(self.model.redrawn(k)).predicted(point) for k in range(times))
         return np.stack([np.zeros(len(here)) if h is None else (h - here) / self.sigma for h in each], axis=1)
 
     # ---- residuals ----
-    def rest(self, ends: Any, place: Array) -> Any:
-        """(model - measured) / sigma of the least and the greatest values that a place gives, then the rows of what is known."""
+    def rest(self, ends: Any, point: Array) -> Any:
+        """(model - measured) / sigma of the least and the greatest values that a point gives, then the rows of what is known."""
         possible = ends is not None and np.isfinite(ends).all()
         values = self.standardised(ends) if possible else np.full(len(self.y), IMPOSSIBLE)
-        return np.concatenate([values, self._known_rows(place)])
+        return np.concatenate([values, self._known_rows(point)])
 
-    def _known_rows(self, place: Array) -> Any:
-        away = np.array([(k.value(place) - k.prior.mean) / k.prior.sd for k in self._known])
+    def _known_rows(self, point: Array) -> Any:
+        away = np.array([(k.value(point) - k.prior.mean) / k.prior.sd for k in self._known])
         return self.trust * (away - self.shifts * np.ones(len(away)))
 
-    def penalty(self, place: Array) -> float:
+    def penalty(self, point: Array) -> float:
         """Sum of squares of the rows of what is known."""
-        rows = self._known_rows(place)
+        rows = self._known_rows(point)
         return float(rows @ rows)
 
-    def residuals(self, place: Array) -> Any:
+    def residuals(self, point: Array) -> Any:
         """(model - measured) / sigma, then the rows of what is known."""
-        h = self._modelled(place)
-        return self.rest(None if h is None else self._shown(h, self.readings(place)), place)
+        h = self._modelled(point)
+        return self.rest(None if h is None else self._shown(h, self.readings(point)), point)
 
     @property
     def has_known_rows(self) -> bool:
@@ -293,27 +293,27 @@ class Sensed:
         free = [_Known(k, f.prior, f.name, f) for k, f in enumerate(self.parameters.free) if f.prior]
         return free + [_Known(self.first + k, n.prior, n.name) for k, n in enumerate(self.numbers) if n.prior]
 
-    def against_what_is_known(self, place: Array) -> dict[str, float]:
+    def against_what_is_known(self, point: Array) -> dict[str, float]:
         """By how many standard deviations numbers are off what is known of them, of those that are far off."""
-        away = {k.name: abs(k.value(place) - k.prior.mean) / k.prior.sd for k in self._known if k.prior.kind == "normal"}
+        away = {k.name: abs(k.value(point) - k.prior.mean) / k.prior.sd for k in self._known if k.prior.kind == "normal"}
         return {name: float(size) for name, size in away.items() if size > _FAR_OFF}
 
-    def jacobian(self, place: Array) -> Any:
+    def jacobian(self, point: Array) -> Any:
         """Derivatives of the residuals."""
-        place = np.asarray(place, float)
-        readings = self.readings(place)
-        h, own = self._modelled(place), self.model.slopes(place[: self.first], self.readings(place[:, None]))
+        point = np.asarray(point, float)
+        readings = self.readings(point)
+        h, own = self._modelled(point), self.model.slopes(point[: self.first], self.readings(point[:, None]))
         if h is None:
-            slopes = np.zeros((len(self.y), len(place)))
+            slopes = np.zeros((len(self.y), len(point)))
         else:
             columns = _both(lambda each: self._of_records(change_shown, each, readings), own)
             shown = self._shown(h, readings)
             main, counting = self._at_the_nearer(columns, shown), self._counting(shown) / self.sigma
-            slopes = np.concatenate([main, self._sensor_slopes(h, place, readings)], axis=1) * counting[:, None]
-            slopes = sharpened(slopes, partial(derivative_along, self, place, slopes), self.resolution) if self.model.kinked else slopes
-        known = np.zeros((len(self._known), len(place)))
+            slopes = np.concatenate([main, self._sensor_slopes(h, point, readings)], axis=1) * counting[:, None]
+            slopes = sharpened(slopes, partial(derivative_along, self, point, slopes), self.resolution) if self.model.kinked else slopes
+        known = np.zeros((len(self._known), len(point)))
         for row, k in zip(known, self._known, strict=True):
-            row[k.index] = self.trust * k.slope(place) / k.prior.sd
+            row[k.index] = self.trust * k.slope(point) / k.prior.sd
         return np.concatenate([slopes, known])
 
     def _at_the_nearer(self, columns: tuple[Any, Any], ends: tuple[Any, Any]) -> Any:
@@ -326,12 +326,12 @@ class Sensed:
         )
         return np.where(upper[:, None], of_most, np.where(lower[:, None], of_least, 0.0))
 
-    def _sensor_slopes(self, h: tuple[Any, Any], place: Array, readings: list[dict[str, Any]]) -> Any:
+    def _sensor_slopes(self, h: tuple[Any, Any], point: Array, readings: list[dict[str, Any]]) -> Any:
         """Derivatives of the values by the numbers of the sensors: array (values, numbers). What a contact at rest bears, it bears."""
         slopes = self._in_proportion(h, readings, [n for n in self.numbers if not n.in_the_model])
         for k, number in enumerate(self.numbers):
             if number.in_the_model:
-                slopes = np.insert(slopes, k, self._model_slope(place, self.first + k, number), axis=1)
+                slopes = np.insert(slopes, k, self._model_slope(point, self.first + k, number), axis=1)
         return slopes
 
     def _in_proportion(self, h: tuple[Any, Any], readings: list[dict[str, Any]], numbers: list[SensorNumber]) -> Any:
@@ -342,18 +342,18 @@ class Sensed:
         columns = _both(lambda each: np.stack([of_records(number, each) for number in numbers], axis=1), parts)
         return self._at_the_nearer(columns, self._shown(h, readings))
 
-    def _model_slope(self, place: Array, k: int, number: SensorNumber) -> Any:
+    def _model_slope(self, point: Array, k: int, number: SensorNumber) -> Any:
         """Derivative of the values by a preload, a start or a harmonic of the drive, which act on the model itself."""
         step = _NUDGE * (float(np.mean([self.targets[i].load.mean() for i in number.records])) if number.what == "preload" else 1.0)
-        both = np.stack([place, place])
+        both = np.stack([point, point])
         both[:, k] += (step, -step)
         up, down = (self._met((least, most)) for least, most in zip(*(each.T for each in self.ends(both)), strict=True))
         return (up - down) / (2 * step)
 
     # ---- search ----
-    def aligned(self, place: Array) -> Any:
-        """The place of the free parameters with the best phases behind it, and the best numbers of the sensors that act in proportion."""
-        own = self.model.aligned(place)
+    def aligned(self, point: Array) -> Any:
+        """The point of the free parameters with the best phases behind it, and the best numbers of the sensors that act in proportion."""
+        own = self.model.aligned(point)
         whole = np.concatenate([own, [n.value for n in self.numbers]])
         h = self._modelled(whole)
         return whole if h is None else np.concatenate([own, self._linear(h, whole)[0]])
@@ -382,35 +382,35 @@ class Sensed:
         return np.clip(values, low, high), float(left @ left)
 
     def bounds(self) -> tuple[Any, Any]:
-        """Bounds of a whole place."""
+        """Bounds of a whole point."""
         low, high = self.model.bounds()
         return np.append(low, [n.bounds[0] for n in self.numbers]), np.append(high, [n.bounds[1] for n in self.numbers])
 
-    def coarse(self, places: Array) -> Any:
-        """How badly many places fit, as one batch, the best numbers of the sensors taken. Lower is better."""
+    def coarse(self, points: Array) -> Any:
+        """How badly many points fit, as one batch, the best numbers of the sensors taken. Lower is better."""
         whole = np.array([*np.zeros(self.first), *(n.value for n in self.numbers)])
         if not self.batched:
             free = {i for n in self.numbers if n.what == "offset" for i in n.records}
-            return self.model.coarse(places, [None if i in free else r.get("offset", 0.0) for i, r in enumerate(self.readings(whole))])
-        least, most = self.model.ends(places, self.readings(np.tile(whole[:, None], len(places))))
+            return self.model.coarse(points, [None if i in free else r.get("offset", 0.0) for i, r in enumerate(self.readings(whole))])
+        least, most = self.model.ends(points, self.readings(np.tile(whole[:, None], len(points))))
         cases = [(low, low if most is least else high) for low, high in zip(least.T, most.T, strict=True)]
         return np.array([self._linear(h, whole)[1] if np.isfinite(h).all() else np.inf for h in cases])
 
 
 @dataclass(frozen=True)
 class _Known:
-    """A number of a place of which something is known beforehand."""
+    """A number of a point of which something is known beforehand."""
 
     index: int
     prior: Distribution
     name: str
     free: Any = None
 
-    def value(self, place: Array) -> float:
-        return float(place[self.index] if self.free is None else self.free.outer(place[self.index]))
+    def value(self, point: Array) -> float:
+        return float(point[self.index] if self.free is None else self.free.outer(point[self.index]))
 
-    def slope(self, place: Array) -> float:
-        return 1.0 if self.free is None else float(self.free.slope(place[self.index]))
+    def slope(self, point: Array) -> float:
+        return 1.0 if self.free is None else float(self.free.slope(point[self.index]))
 
 
 def _both(function: Any, ends: tuple[Any, Any]) -> tuple[Any, Any]:

@@ -9,10 +9,10 @@ import numpy as np
 
 from stickslip.basics.contracts import Array, Numeric
 from stickslip.basics.fields import leaves
-from stickslip.inverse.identification.effects import floors
+from stickslip.inverse.identification.friction_effects import floors
 
-_TRIED = 256  # places among which one that makes a model is looked for
-_CHECKED = 16  # places at which what is even in the numbers is checked
+_TRIED = 256  # points among which one that makes a model is looked for
+_CHECKED = 16  # points at which what is even in the numbers is checked
 _AWAY = 0.01  # between the bounds: how far a number is moved to see what it does
 _EVEN = 1e-9  # by which part of the largest coefficient a number may differ from what is even in the numbers
 
@@ -46,7 +46,7 @@ class Limits:
 
     @property
     def roomy(self) -> Any:
-        """The place at which numbers leave the others most room: at the upper bound those that others must stay below, else the middle."""
+        """The point at which numbers leave the others most room: at the upper bound those that others must stay below, else the middle."""
         return np.where((self.slopes > 0).any(axis=0), 1.0, 0.5)
 
     def only(self, fixed: dict[str, float]) -> Limits:
@@ -56,29 +56,29 @@ class Limits:
         kept = tuple(f for f in self.free if f.name not in fixed)
         return _that_matter(kept, self.slopes[:, ~held], self.rest + self.slopes @ values)
 
-    def allows(self, place: Array) -> bool:
-        """Whether a place between the bounds is possible."""
-        return bool((self.slopes @ self._values(place) + self.rest >= 0).all())
+    def allows(self, point: Array) -> bool:
+        """Whether a point between the bounds is possible."""
+        return bool((self.slopes @ self._values(point) + self.rest >= 0).all())
 
-    def _values(self, place: Array) -> Any:
-        return np.array([float(f.outer(p)) for f, p in zip(self.free, place, strict=False)])
+    def _values(self, point: Array) -> Any:
+        return np.array([float(f.outer(p)) for f, p in zip(self.free, point, strict=False)])
 
     def place(self, inner: Any) -> Any:
-        """The place between the bounds of coordinates of a search; what comes after the free numbers stays."""
+        """The point between the bounds of coordinates of a search; what comes after the free numbers stays."""
         return self._moved(inner)[0] if len(self.slopes) else inner
 
     def slopes_of_place(self, inner: Any) -> Any:
-        """Derivatives of the place by the coordinates: array (numbers, numbers)."""
+        """Derivatives of the point by the coordinates: array (numbers, numbers)."""
         return self._moved(inner)[1]
 
-    def inner(self, place: Array) -> Any:
-        """The coordinates of a place; the nearest ones of one that is not possible."""
+    def inner(self, point: Array) -> Any:
+        """The coordinates of a point; the nearest ones of one that is not possible."""
         if not len(self.slopes):
-            return place
-        inner, values, done = np.array(place, float), self._values(place), self._at_once()
+            return point
+        inner, values, done = np.array(point, float), self._values(point), self._at_once()
         for k in self.order:
             low, high = (float(self.free[k].inner(end)) for end, _ in self._range(k, values, done))
-            part = (place[k] - low) / (high - low) if high > low else 0.0
+            part = (point[k] - low) / (high - low) if high > low else 0.0
             inner[k], done[k] = np.clip(part, 0.0, 1.0), True
             values[k] = float(self.free[k].outer(low + inner[k] * (high - low)))
         return inner
@@ -88,7 +88,7 @@ class Limits:
         return ~(self.slopes != 0).any(axis=0)
 
     def _moved(self, inner: Any) -> tuple[Any, Any]:
-        """The place and its derivatives."""
+        """The point and its derivatives."""
         moved, n = np.array(inner, float), len(self.free)
         values, done, turned = self._values(inner), self._at_once(), np.eye(len(moved))
         by = np.diag([f.slope(p) for f, p in zip(self.free, inner, strict=False)]) @ turned[:n]  # of the values
@@ -127,13 +127,13 @@ def limits_of(of: Any) -> Limits:
     """
     n = len(of.free)
     none = Limits(of.free, np.empty((0, n)), np.empty(0))
-    places = np.random.default_rng(0).uniform(0.0, 1.0, (_TRIED, n))
-    base = next((place for place in places if of.models(place) is not None), None)
+    points = np.random.default_rng(0).uniform(0.0, 1.0, (_TRIED, n))
+    base = next((point for point in points if of.models(point) is not None), None)
     if base is None or not len(_room(of, base)):
         return none
     near = [np.clip(np.where(np.arange(n) == k, base + side * _AWAY, base), 0.0, 1.0) for k in range(n) for side in (1, -1)]
-    made = [(place, room) for place in [base, *near, *places[:_CHECKED]] if (room := _room(of, place)) is not None]
-    columns = np.array([[*of.values(place).values(), 1.0] for place, _ in made])
+    made = [(point, room) for point in [base, *near, *points[:_CHECKED]] if (room := _room(of, point)) is not None]
+    columns = np.array([[*of.values(point).values(), 1.0] for point, _ in made])
     rooms = np.array([room for _, room in made])
     size = abs(columns).max(axis=0)
     coefficients, _, rank, _ = np.linalg.lstsq(columns / size, rooms, rcond=1e-12)
@@ -147,9 +147,9 @@ def limits_of(of: Any) -> Limits:
     return _that_matter(of.free, coefficients[:n, even].T, coefficients[n, even])
 
 
-def _room(of: Any, place: Array) -> Any:
+def _room(of: Any, point: Array) -> Any:
     """How far numbers are above those that they must not fall below, in all records; None where there is no model."""
-    models = of.models(place)
+    models = of.models(point)
     return None if models is None else np.array([room for model in models for room in floors(dict(leaves(model)))])
 
 

@@ -21,7 +21,7 @@ _STEP = 2e-5  # of the distance between the bounds: differences for derivatives
 
 @dataclass(eq=False)
 class MeansProblem(OverParameters):
-    """Fit of mean velocities, the cases of all places side by side.
+    """Fit of mean velocities, the cases of all points side by side.
 
     Parameters
     ----------
@@ -41,9 +41,9 @@ class MeansProblem(OverParameters):
         """The same fit for the search: a looser tolerance."""
         return dataclasses.replace(self, rtol=max(self.rtol, 1e-6))
 
-    def batch(self, places: Any, readings: Any = None) -> Any:
-        """Mean velocities for many places (cases, numbers): array (records, cases); NaN where a place makes no model."""
-        made = [self.parameters.models(place) for place in np.asarray(places, float)]
+    def batch(self, points: Any, readings: Any = None) -> Any:
+        """Mean velocities for many points (cases, numbers): array (records, cases); NaN where a point makes no model."""
+        made = [self.parameters.models(point) for point in np.asarray(points, float)]
         good = np.array([models is not None for models in made], bool)
         means = np.full((len(self.targets), len(made)), np.nan)
         if good.any():
@@ -51,7 +51,7 @@ class MeansProblem(OverParameters):
         return means
 
     def _of_all(self, made: list[list[Any]]) -> Any:
-        """Mean velocities of the models of all records at some places, as one batch where they are of one kind: array (records, cases)."""
+        """Mean velocities of the models of all records at some points, as one batch where they are of one kind: array (records, cases)."""
         try:
             whole = stacked("identify", [model for models in made for model in models])
         except InputError:
@@ -67,22 +67,22 @@ class MeansProblem(OverParameters):
             return np.full(cases, np.nan)
         return np.broadcast_to(of_body(run, "mean_velocity", self.targets[0].body), (cases,))
 
-    def ends(self, places: Any, readings: Any = None) -> tuple[Any, Any]:
-        """The least and the greatest values for many places, which are the same."""
-        means = self.batch(places)
+    def ends(self, points: Any, readings: Any = None) -> tuple[Any, Any]:
+        """The least and the greatest values for many points, which are the same."""
+        means = self.batch(points)
         return means, means
 
-    def slopes(self, place: Any, readings: Any = None) -> tuple[Any, Any]:
+    def slopes(self, point: Any, readings: Any = None) -> tuple[Any, Any]:
         """Derivatives of the least and the greatest values, which are the same: central differences, at bounds one-sided ones."""
-        place = np.asarray(place, float)
-        low, high = (self._step_away(place, side * _STEP) for side in (-1.0, 1.0))
-        moved = np.array([np.where(np.arange(len(place)) == k, ends, place) for ends in (low, high) for k in range(len(place))])
+        point = np.asarray(point, float)
+        low, high = (self._step_away(point, side * _STEP) for side in (-1.0, 1.0))
+        moved = np.array([np.where(np.arange(len(point)) == k, ends, point) for ends in (low, high) for k in range(len(point))])
         down, up = np.split(self.batch(moved), 2, axis=1)
         derivatives = np.nan_to_num((up - down) / (high - low))
         return derivatives, derivatives
 
-    def _step_away(self, place: Array, step: float) -> Any:
+    def _step_away(self, point: Array, step: float) -> Any:
         """Each number a step away, or where it was if it cannot be there."""
-        moved = np.clip(place + step, 0.0, 1.0)
-        allowed = [self.parameters.limits.allows(each) for each in np.where(np.eye(len(place), dtype=bool), moved, place)]
-        return np.where(allowed, moved, place)
+        moved = np.clip(point + step, 0.0, 1.0)
+        allowed = [self.parameters.limits.allows(each) for each in np.where(np.eye(len(point), dtype=bool), moved, point)]
+        return np.where(allowed, moved, point)

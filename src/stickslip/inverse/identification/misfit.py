@@ -45,17 +45,17 @@ class Misfit:
         return not self.columns.shape[1] and self.factor == 1.0
 
 
-def misfit_of(problem: Any, found: Any, changes: Any) -> Misfit:
+def misfit_of(problem: Any, minimum: Any, changes: Any) -> Misfit:
     """The misfit at the end of a search (`Found`)."""
     count = len(problem.y)
-    residuals, inverse = found.residuals[:count], information_of(problem, found.jacobian).inverse[:, :count]
-    left = None if changes is None else changes - found.jacobian[:count] @ (inverse @ changes)
+    residuals, inverse = minimum.residuals[:count], information_of(problem, minimum.jacobian).inverse[:, :count]
+    left = None if changes is None else changes - minimum.jacobian[:count] @ (inverse @ changes)
     parts = (problem.parts(each) for each in (np.arange(count), residuals, problem.unclipped(residuals)))
-    said, columns, factor = [], [np.zeros((count, 0))], _off_what_is_known(problem, found.place)
+    said, columns, factor = [], [np.zeros((count, 0))], _off_what_is_known(problem, minimum.place)
     for target, rows, rest, which in zip(problem.targets, *parts, strict=True):
         tested = [] if np.ndim(problem.rows) else structures(target, rest, which, None if left is None else left[rows])
         said.append(tested[0].said if tested else "")
-        columns += [_column(one, rows, count, found.jacobian[:count], inverse) for one in tested]
+        columns += [_column(one, rows, count, minimum.jacobian[:count], inverse) for one in tested]
         factor = max(factor, _too_large(target, rest[which]))
     return Misfit(tuple(said), np.concatenate(columns, axis=1), factor)
 
@@ -64,8 +64,8 @@ def _column(one: Structure, rows: Any, count: int, jacobian: Any, inverse: Any) 
     """Directions of a structure with the size that it has there, as far as the numbers leave it to be seen."""
     whole = np.zeros((count, one.basis.shape[1]))
     whole[rows] = one.basis
-    seen = np.mean(np.sum((whole - jacobian @ (inverse @ whole)) ** 2, axis=0))
-    return whole * np.sqrt(one.power / max(float(seen), _LEAST_SEEN))
+    visible = np.mean(np.sum((whole - jacobian @ (inverse @ whole)) ** 2, axis=0))
+    return whole * np.sqrt(one.power / max(float(visible), _LEAST_SEEN))
 
 
 def _too_large(target: Any, rest: Array) -> float:
@@ -76,6 +76,6 @@ def _too_large(target: Any, rest: Array) -> float:
     return float(np.sqrt(square)) if square > max(_LARGE**2, 1 + _SURE * np.sqrt(2 / len(rest))) else 1.0
 
 
-def _off_what_is_known(problem: Any, place: Array) -> float:
+def _off_what_is_known(problem: Any, point: Array) -> float:
     """By how many standard deviations a number is off what was known of it, if it is far off; else 1."""
-    return max(problem.against_what_is_known(place).values(), default=1.0)
+    return max(problem.against_what_is_known(point).values(), default=1.0)

@@ -1,4 +1,4 @@
-"""Simpler laws inside the one that is fitted, and the places where the law is one of them, from which a search goes on."""
+"""Simpler laws inside the one that is fitted, and the points where the law is one of them, from which a search goes on."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ from stickslip.basics.contracts import Array, Numeric
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import leaves
 from stickslip.basics.interruption import Interrupted
-from stickslip.inverse.identification.effects import EFFECTS, numbers_without
+from stickslip.inverse.identification.friction_effects import EFFECTS, numbers_without
 from stickslip.inverse.identification.search import polished_to_end, searched
 
 _ALL = 3  # effects up to which every set of them is left out
 _STARTS = 16
-_GRID, _FINE = 33, 1e-10  # places that are tried, and how near the best one is found
+_GRID, _FINE = 33, 1e-10  # points that are tried, and how near the best one is found
 
 
 def nested_seeds(problem: Any, starts: int, seed: int) -> list[Any]:
-    """Whole places where the law is a simpler one, and fits best as such: from the simplest on, each sought from those inside it."""
+    """Whole points where the law is a simpler one, and fits best as such: from the simplest on, each sought from those inside it."""
     try:
-        known = [numbers for place in _samples(problem) if (numbers := _numbers(problem, place)) is not None]
+        known = [numbers for point in _samples(problem) if (numbers := _numbers(problem, point)) is not None]
     except InputError:
         return []
     active = [effect for effect in EFFECTS if _changed(_differences(known, [effect]))]
     sets = [each for k in range(len(active), 0, -1) if k in (1, len(active)) or len(active) <= _ALL for each in combinations(active, k)]
     ends: dict[frozenset[str], Any] = {}
     for effects in sets:
-        inside = [place for more, place in ends.items() if more > set(effects)]
+        inside = [point for more, point in ends.items() if more > set(effects)]
         end = _fitted(problem, known, effects, inside, starts, seed)
         if end is not None:
             ends[frozenset(effects)] = end
@@ -38,7 +38,7 @@ def nested_seeds(problem: Any, starts: int, seed: int) -> list[Any]:
 
 
 def _samples(problem: Any) -> Any:
-    """A few places, the same always."""
+    """A few points, the same always."""
     rng = np.random.default_rng(0)
     return rng.uniform(0.05, 0.95, (24, len(problem.parameters.free)))
 
@@ -46,9 +46,9 @@ def _samples(problem: Any) -> Any:
 Numbers = list[dict[str, Any]]  # of the models of all records
 
 
-def _numbers(problem: Any, place: Array) -> Numbers | None:
-    """The numbers of the models at a place; None where there are none."""
-    models = problem.parameters.models(place)
+def _numbers(problem: Any, point: Array) -> Numbers | None:
+    """The numbers of the models at a point; None where there are none."""
+    models = problem.parameters.models(point)
     return None if models is None else [dict(leaves(model)) for model in models]
 
 
@@ -58,7 +58,7 @@ def _away(models: Numbers, effects: Iterable[str]) -> Any:
 
 
 def _differences(known: list[Numbers], effects: Iterable[str]) -> Any:
-    """The same at a few places: array (places, numbers)."""
+    """The same at a few points: array (points, numbers)."""
     each = [away for models in known if len(away := _away(models, effects))]
     return np.stack(each) if each else np.empty((0, 0))
 
@@ -78,9 +78,9 @@ def _idle(problem: Any, effects: Iterable[str]) -> list[int]:
     for k in range(len(of.free)):
         moved = []
         for part in (0.02, -0.02, 0.3, -0.3):
-            place = np.array(base)
-            place[k] = np.clip(place[k] + part, 0.0, 1.0)
-            models = of.models(place)
+            point = np.array(base)
+            point[k] = np.clip(point[k] + part, 0.0, 1.0)
+            models = of.models(point)
             moved += [] if models is None else [[dict(leaves(m)) for m in models] == here]
         if moved and all(moved):
             idle.append(k)
@@ -88,7 +88,7 @@ def _idle(problem: Any, effects: Iterable[str]) -> list[int]:
 
 
 def _fitted(problem: Any, known: list[Numbers], effects: Iterable[str], inside: list[Any], starts: int, seed: int) -> Any:
-    """The best place of the law without some effects, at which the whole law is that one; None if there is none."""
+    """The best point of the law without some effects, at which the whole law is that one; None if there is none."""
     idle = _idle(problem, effects)
     kept = [k for k in range(len(problem.parameters.free)) if k not in idle]
     if not idle or not kept:
@@ -97,35 +97,35 @@ def _fitted(problem: Any, known: list[Numbers], effects: Iterable[str], inside: 
     reduced = problem.leaving_out(effects).only({name: float(held[name]) for name in (problem.parameters.names[k] for k in idle)})
     try:
         if inside:
-            end = min((polished_to_end(reduced, np.delete(place, idle), rough=True) for place in inside), key=lambda e: e.cost)
+            end = min((polished_to_end(reduced, np.delete(point, idle), rough=True) for point in inside), key=lambda e: e.cost)
         else:
             end, _ = searched(reduced, min(starts, _STARTS), seed)
     except InputError:
         return None
     if end.stopped:
         raise Interrupted
-    place = end.place
+    point = end.place
     for k in idle:
-        place = np.insert(place, k, 0.5)
+        point = np.insert(point, k, 0.5)
     scale = abs(_differences(known, effects)).max(axis=0)
-    return _embedded(problem, place, idle, effects, np.where(scale > 0, scale, 1.0))
+    return _embedded(problem, point, idle, effects, np.where(scale > 0, scale, 1.0))
 
 
-def _embedded(problem: Any, place: Array, idle: list[int], effects: Iterable[str], scale: Numeric) -> Any:
-    """The place with idle parameters where the whole law is as near as can be to the one without the effects."""
+def _embedded(problem: Any, point: Array, idle: list[int], effects: Iterable[str], scale: Numeric) -> Any:
+    """The point with idle parameters where the whole law is as near as can be to the one without the effects."""
     for k in [*idle, *(idle if len(idle) > 1 else [])]:
-        place = _nearest(problem, place, k, effects, scale)
-    return place
+        point = _nearest(problem, point, k, effects, scale)
+    return point
 
 
-def _nearest(problem: Any, place: Array, k: int, effects: Iterable[str], scale: Numeric) -> Any:
-    """The place with one parameter moved to where the numbers of the effects are nearest to what they are without these."""
+def _nearest(problem: Any, point: Array, k: int, effects: Iterable[str], scale: Numeric) -> Any:
+    """The point with one parameter moved to where the numbers of the effects are nearest to what they are without these."""
     from scipy.optimize import minimize_scalar
 
     n = len(problem.parameters.free)
 
     def size(x: float) -> float:
-        moved = np.array(place[:n])
+        moved = np.array(point[:n])
         moved[k] = x
         models = _numbers(problem, moved)
         return np.inf if models is None else float(np.linalg.norm(_away(models, effects) / scale))
@@ -133,11 +133,11 @@ def _nearest(problem: Any, place: Array, k: int, effects: Iterable[str], scale: 
     grid = np.linspace(0.0, 1.0, _GRID)
     sizes = [size(x) for x in grid]
     if not np.isfinite(sizes).any() or np.ptp([s for s in sizes if np.isfinite(s)]) == 0:
-        return place
+        return point
     i = int(np.argmin(sizes))
     low, high = grid[max(i - 1, 0)], grid[min(i + 1, _GRID - 1)]
     with np.errstate(invalid="ignore"):  # where there is no law
         near = minimize_scalar(size, bounds=(low, high), method="bounded", options={"xatol": _FINE})
-    nearest = np.array(place)
+    nearest = np.array(point)
     nearest[k] = min((sizes[i], grid[i]), (near.fun, near.x))[1]
     return nearest

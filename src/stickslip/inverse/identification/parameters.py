@@ -17,7 +17,7 @@ from stickslip.basics.distributions import ALLOWED, Distribution, distribution_o
 from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.basics.fields import leaves
 from stickslip.basics.frozen_arrays import sealed
-from stickslip.inverse.identification.effects import plainer
+from stickslip.inverse.identification.friction_effects import plainer
 from stickslip.inverse.identification.limits import Limits, limits_of
 from stickslip.inverse.scales import Scale
 from stickslip.models.naming import in_its_unit
@@ -54,13 +54,13 @@ class Free:
         """The value on the scale of the search, 0 to 1 between the bounds."""
         return self.scale.inner(value)
 
-    def outer(self, place: Array) -> Any:
-        """The value at a place between 0 and 1."""
-        return self.scale.outer(np.asarray(place))
+    def outer(self, part: Array) -> Any:
+        """The value at a part of the way, 0 to 1."""
+        return self.scale.outer(np.asarray(part))
 
-    def slope(self, place: float) -> float:
-        """d value / d place."""
-        return self.scale.slope(np.asarray(place))
+    def slope(self, part: float) -> float:
+        """d value / d part."""
+        return self.scale.slope(np.asarray(part))
 
     @property
     def argument(self) -> str:
@@ -111,12 +111,12 @@ class Parameters:
         """Names of the free parameters."""
         return tuple(f.name for f in self.free)
 
-    def values(self, place: Array) -> dict[str, Any]:
-        """Free values at a place between the bounds; arrays if `place` has a second axis (parameters, cases)."""
-        return {f.name: f.outer(p)[()] for f, p in zip(self.free, place, strict=True)}
+    def values(self, point: Array) -> dict[str, Any]:
+        """Free values at a point between the bounds; arrays if `point` has a second axis (parameters, cases)."""
+        return {f.name: f.outer(p)[()] for f, p in zip(self.free, point, strict=True)}
 
     def place(self, values: dict[str, float]) -> Any:
-        """The place of these values."""
+        """The point of these values."""
         return np.array([float(f.inner(values[f.name])) for f in self.free])
 
     def arguments(self, values: dict[str, Any], record: int) -> dict[str, Any]:
@@ -139,32 +139,32 @@ class Parameters:
         """The same, of a law without some effects."""
         return replace(self, left_out=tuple(effects), known_limits=self.limits)
 
-    def first_models(self, places: Array) -> list[Any]:
-        """The models of all records at the first of these places that makes them; `InputError` with the maker's words if none does."""
+    def first_models(self, points: Array) -> list[Any]:
+        """The models of all records at the first of these points that makes them; `InputError` with the maker's words if none does."""
         said = ""
-        for place in places:
-            values = self.values(place)
+        for point in points:
+            values = self.values(point)
             try:
                 return [self.model(values, record) for record in range(len(self.fixed))]
             except InputError as error:
                 said = said or f"{error} (at {', '.join(f'{name} = {value:.4g}' for name, value in values.items())})"
-        none = f"none of {len(places)} places between the bounds makes a model"
+        none = f"none of {len(points)} places between the bounds makes a model"
         raise InputError("identify", [f"{none}: {said}; mend that, or widen or correct the bounds"])
 
-    def models(self, place: Array) -> list[Any] | None:
-        """The models of all records at a place; None where there is none for one of them."""
-        values = self.values(place)
+    def models(self, point: Array) -> list[Any] | None:
+        """The models of all records at a point; None where there is none for one of them."""
+        values = self.values(point)
         try:
             return [self.model(values, record) for record in range(len(self.fixed))]
         except InputError:
             return None
 
-    def batches(self, places: Array) -> tuple[Any, list[Any]]:
-        """For many places: which of them make models, and for each record a batch of those that do.
+    def batches(self, points: Array) -> tuple[Any, list[Any]]:
+        """For many points: which of them make models, and for each record a batch of those that do.
 
         A maker need not take arrays: models are made one by one, and their numbers are put together.
         """
-        made = [self.models(place) for place in places]
+        made = [self.models(point) for point in points]
         good = [models for models in made if models is not None]
         stacks = [stacked("identify", list(each)) for each in zip(*good, strict=True)]
         return np.array([models is not None for models in made], bool), stacks
@@ -288,7 +288,7 @@ def _fixed(arguments: dict[str, Any], count: int, problems: Problems) -> tuple[d
 
 
 class OverParameters:
-    """Base of the problems whose places are those of their free parameters alone, solved side by side."""
+    """Base of the problems whose points are those of their free parameters alone, solved side by side."""
 
     resolution: ClassVar[float] = 1e-6  # singular values of the derivatives, which are of second order, below this are zero
     remembers: bool = False  # whether the contact has inner states
@@ -332,11 +332,11 @@ class OverParameters:
         """The same fit of a law without some effects."""
         return self._like(parameters=self.parameters.leaving_out(effects))
 
-    def aligned(self, place: Array) -> Any:
+    def aligned(self, point: Array) -> Any:
         """Nothing is aligned: there is no phase besides the parameters."""
-        return np.asarray(place, float)
+        return np.asarray(point, float)
 
     def bounds(self) -> tuple[Any, Any]:
-        """Bounds of a place."""
+        """Bounds of a point."""
         n = len(self.parameters.free)
         return np.zeros(n), np.ones(n)

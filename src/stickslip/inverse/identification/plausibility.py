@@ -18,11 +18,11 @@ _APART = 0.01  # relative distance of two frequencies that no clock has
 _OTHER_UNIT = 30.0  # ratio of two motions beyond which a unit is likelier to be wrong than a number of the model
 
 
-def doubts(problem: Sensed, values: dict[str, float], place: Array) -> list[str]:
+def doubts(problem: Sensed, values: dict[str, float], point: Array) -> list[str]:
     """Sentences on what does not go together, at the end of a fit; none of forces over a motion."""
     curves = [(i, t) for i, t in enumerate(problem.targets) if isinstance(t, Target) and t.kind != "mean"]
     models = {i: problem.parameters.model(values, i) for i, _ in curves}
-    shown = problem.model.predicted(place[: problem.first]) if curves else None
+    shown = problem.model.predicted(point[: problem.first]) if curves else None
     parts = [] if shown is None else np.split(shown, np.cumsum([t.count for t in problem.targets])[:-1])
     sentences = [_frequencies(target, models[i]) for i, target in curves] + [_sizes(target, parts[i]) for i, target in curves if parts]
     notes = [note for model in models.values() if is_machine(model) for note in machine_of(model).notes if note.startswith(MISTAKEN)]

@@ -53,12 +53,12 @@ class OfFit:
     def alone(self, name: str, u: Array) -> dict[str, Array]:
         """The numbers where one parameter is at some parts of its own distribution and the others are as fitted."""
         k, u = self.names.index(name), np.asarray(u, float)
-        place = np.repeat(self.fit.place[: len(self.names), None], u.size, axis=1)
-        place[k] += np.linalg.norm(_root(self.fit)[k]) * _normal(u)
-        return self._numbers(self._values(place))
+        points = np.repeat(self.fit.place[: len(self.names), None], u.size, axis=1)
+        points[k] += np.linalg.norm(_root(self.fit)[k]) * _normal(u)
+        return self._numbers(self._values(points))
 
-    def _values(self, place: Array) -> dict[str, Array]:
-        return self.fit.problem.parameters.values(np.clip(place, 0.0, 1.0))
+    def _values(self, points: Array) -> dict[str, Array]:
+        return self.fit.problem.parameters.values(np.clip(points, 0.0, 1.0))
 
     def _numbers(self, values: dict[str, Array]) -> dict[str, Array]:
         count = len(next(iter(values.values())))
@@ -96,7 +96,7 @@ def distribution_of(fit: Fit, machine: Any, problems: Problems) -> OfFit | None:
 
 def _moved(fit: Fit) -> list[str]:
     """The numbers of the fitted model that depend on its parameters."""
-    parameters, place = fit.problem.parameters, fit.place[: len(fit.names)]
-    shifted = place[:, None] + 1e-4 * np.where(place < 0.5, 1.0, -1.0)[:, None] * np.eye(len(place))
-    base, many = (dict(leaves(parameters.model(parameters.values(p), 0))) for p in (place, shifted))
+    parameters, point = fit.problem.parameters, fit.place[: len(fit.names)]
+    shifted = point[:, None] + 1e-4 * np.where(point < 0.5, 1.0, -1.0)[:, None] * np.eye(len(point))
+    base, many = (dict(leaves(parameters.model(parameters.values(p), 0))) for p in (point, shifted))
     return [name for name, value in base.items() if np.any(np.asarray(many[name]) != value)]

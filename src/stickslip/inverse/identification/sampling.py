@@ -109,16 +109,16 @@ def _check(draws: int, walkers: int, burn: int, size: int) -> None:
 
 
 def _walkers(fit: Fit, count: int, low: Any, high: Any, rng: Any) -> Any:
-    """Where walkers begin: about the best place as the covariance has it, over all of what the data do not determine."""
+    """Where walkers begin: about the best point as the covariance has it, over all of what the data do not determine."""
     determined = determined_spread(fit.problem, fit.jacobian, fit.residuals, fit.scale, fit.changes, fit.misfit)
-    places = fit.place + _SPREAD * rng.normal(size=(count, len(fit.place))) @ root_of(determined).T
+    points = fit.place + _SPREAD * rng.normal(size=(count, len(fit.place))) @ root_of(determined).T
     for members, directions in fit.information.groups:
         for direction in directions:
             along = np.zeros(len(fit.place))
             along[members] = direction / max(float(abs(direction).max()), 1e-300)
-            places += _OPEN * rng.uniform(-1, 1, (count, 1)) * along
+            points += _OPEN * rng.uniform(-1, 1, (count, 1)) * along
     room = np.where(np.isfinite(high - low), high - low, 1.0)
-    return np.clip(places, low + 1e-6 * room, high - 1e-6 * room) + 1e-9 * room * rng.uniform(-1, 1, places.shape)
+    return np.clip(points, low + 1e-6 * room, high - 1e-6 * room) + 1e-9 * room * rng.uniform(-1, 1, points.shape)
 
 
 def _remaining_information(fit: Fit) -> float:
@@ -129,7 +129,7 @@ def _remaining_information(fit: Fit) -> float:
 
 
 class _Posterior:
-    """Logarithm of the posterior at many places."""
+    """Logarithm of the posterior at many points."""
 
     def __init__(self, fit: Fit, low: Any, high: Any):
         self.fit, self.low, self.high = fit, low, high
@@ -139,32 +139,32 @@ class _Posterior:
         self.given = all(t.given_sigma for t in fit.problem.targets)
         self.independent = float(self.worth.sum())
 
-    def __call__(self, places: Array) -> Any:
-        places = np.atleast_2d(places)
-        logs = np.full(len(places), -np.inf)
-        inside = ((places >= self.low) & (places <= self.high)).all(axis=1)
+    def __call__(self, points: Array) -> Any:
+        points = np.atleast_2d(points)
+        logs = np.full(len(points), -np.inf)
+        inside = ((points >= self.low) & (points <= self.high)).all(axis=1)
         if inside.any():
-            logs[inside] = self._inside(places[inside])
+            logs[inside] = self._inside(points[inside])
         return logs
 
-    def _inside(self, places: Array) -> Any:
-        rests = self.fit.problem.standardised(self.fit.problem.ends(places))
+    def _inside(self, points: Array) -> Any:
+        rests = self.fit.problem.standardised(self.fit.problem.ends(points))
         cost = np.sum(self.worth[:, None] * rests**2, axis=0)
         log_likelihood = -0.5 * cost if self.given else -0.5 * self.independent * np.log(cost)
-        known = np.array([self._known(place) for place in places])
+        known = np.array([self._known(point) for point in points])
         return np.where(np.isfinite(log_likelihood), log_likelihood + known, -np.inf)
 
-    def _known(self, place: Array) -> float:
+    def _known(self, point: Array) -> float:
         """The prior distribution; one that is flat between bounds adds nothing."""
         log_prior = 0.0
         for row in self.fit.problem._known:
             if not np.isfinite(row.prior.low):
-                log_prior -= 0.5 * ((row.value(place) - row.prior.mean) / row.prior.sd) ** 2
+                log_prior -= 0.5 * ((row.value(point) - row.prior.mean) / row.prior.sd) ** 2
         return log_prior
 
 
 def _named(fit: Fit) -> dict[str, tuple[Any, dict[str, str]]]:
-    """Names of the numbers of a place, their conversion to values, and their units."""
+    """Names of the numbers of a point, their conversion to values, and their units."""
     named: dict[str, tuple[Any, dict[str, str]]] = {}
     for free in fit.problem.parameters.free:
         named[free.name] = free.outer, {"units": unit_of_parameter(fit, free.name)}
@@ -206,8 +206,8 @@ def bands(fit: Fit, record: int = 0, level: float = 0.95, samples: xr.Dataset | 
         problems.add(f"level = {level!r}; allowed is a number between 0 and 1; type level=0.95")
     problems.check()
     rng = np.random.default_rng(seed)
-    places = _drawn(fit, draws, rng) if samples is None else _of_samples(fit, samples, draws, rng)
-    curves = fit.problem.parts(fit.problem.batch(places))[record]
+    points = _drawn(fit, draws, rng) if samples is None else _of_samples(fit, samples, draws, rng)
+    curves = fit.problem.parts(fit.problem.batch(points))[record]
     curves = curves[:, np.isfinite(curves).all(axis=0)]
     sigma = fit.scale * fit.problem.parts(fit.problem.sigma)[record][:, None]
     ends = (0.5 - 0.5 * level, 0.5 + 0.5 * level)

@@ -1,4 +1,4 @@
-"""Least squares that finds its way: a multistart in batches, then trust-region steps from the best places."""
+"""Least squares that finds its way: a multistart in batches, then trust-region steps from the best points."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ if TYPE_CHECKING:
     from stickslip.basics.progress import Reported
 
 
-_ALIGNED = 16  # places that are judged by their curves
-_POLISHED = 3  # places from which steps are taken
-_APART = 0.03  # places nearer than this are one
-_PLATEAU = 1e-9  # places whose sums of squares differ by a smaller part give one curve
+_ALIGNED = 16  # points that are judged by their curves
+_POLISHED = 3  # points from which steps are taken
+_APART = 0.03  # points nearer than this are one
+_PLATEAU = 1e-9  # points whose sums of squares differ by a smaller part give one curve
 
 
 @sealed
 @dataclass(frozen=True, eq=False)
 class Found:
-    """Where a search ended: place, residuals there, their derivatives, and in how many steps."""
+    """Where a search ended: the point, residuals there, their derivatives, and in how many steps."""
 
     place: Any
     residuals: Any
@@ -46,11 +46,11 @@ def multistart(numbers: int, starts: int, seed: int) -> Any:
     """Places of a multistart: the middle between all bounds, then those of a Sobol sequence."""
     from scipy.stats import qmc
 
-    places = qmc.Sobol(numbers, rng=seed).random_base2(int(np.ceil(np.log2(max(starts, 2)))))
-    return np.concatenate([np.full((1, numbers), 0.5), places])
+    points = qmc.Sobol(numbers, rng=seed).random_base2(int(np.ceil(np.log2(max(starts, 2)))))
+    return np.concatenate([np.full((1, numbers), 0.5), points])
 
 
-def starting_places(of: Any, starts: int, seed: int) -> Any:
+def starting_points(of: Any, starts: int, seed: int) -> Any:
     """Places of a multistart of free parameters (`Parameters`), within what the laws demand of them."""
     return np.array([of.limits.place(inner) for inner in multistart(len(of.free), starts, seed)])
 
@@ -58,7 +58,7 @@ def starting_places(of: Any, starts: int, seed: int) -> Any:
 def searched(
     problem: Any, starts: int, seed: int, progress: Callable[[int, int], None] | None = None, seeds: Callable[[], list[Any]] = list
 ) -> tuple[Found, int]:
-    """The best place of a multistart, and how many of the polished starts ended there, roughly.
+    """The best point of a multistart, and how many of the polished starts ended there, roughly.
 
     Parameters
     ----------
@@ -69,15 +69,15 @@ def searched(
     progress : callable, optional
         Called with (done, in all).
     seeds : callable
-        Gives whole places from which steps are taken in any case: the best of simpler models inside this one.
+        Gives whole points from which steps are taken in any case: the best of simpler models inside this one.
     """
     judged: list[tuple[float, Any]] = []
     with partial_result() as ending:
         ends = _ends(problem, starts, seed, progress, seeds, judged)
     ending.needs(judged)
     if ending.interrupted:
-        place = min(judged, key=lambda pair: pair[0])[1]
-        ends = [Found(place, problem.residuals(place), problem.jacobian(place), 0, stopped=True)]
+        point = min(judged, key=lambda pair: pair[0])[1]
+        ends = [Found(point, problem.residuals(point), problem.jacobian(point), 0, stopped=True)]
     best = min(ends, key=lambda end: end.cost)
     agree = sum(end.cost < 1.01 * best.cost + 1e-9 for end in ends)
     if progress and not ends[-1].stopped:
@@ -88,60 +88,60 @@ def searched(
 def _ends(
     problem: Any, starts: int, seed: int, progress: Reported | None, seeds: Callable[[], list[Any]], judged: list[tuple[float, Any]]
 ) -> list[Found]:
-    """Where steps from the best places end; the places that were judged by their curves are noted."""
-    places = starting_places(problem.parameters, starts, seed)
-    score = problem.coarse(places)
+    """Where steps from the best points end; the points that were judged by their curves are noted."""
+    points = starting_points(problem.parameters, starts, seed)
+    score = problem.coarse(points)
     order = [int(i) for i in np.argsort(score) if np.isfinite(score[i])]
     if problem.batched:  # the batch has judged them already
-        chosen = [place for _, place in _spread([(float(score[i]), places[i]) for i in order], problem.first)]
-        judged += [_judged(problem, place) for place in chosen]
+        chosen = [point for _, point in _spread([(float(score[i]), points[i]) for i in order], problem.first)]
+        judged += [_judged(problem, point) for point in chosen]
     else:
         for i in order[:_ALIGNED]:
-            judged.append(_judged(problem, places[i]))
+            judged.append(_judged(problem, points[i]))
     inside = seeds()
     if not order and not inside:
-        none = f"at none of {len(places)} places between the bounds can the model be solved"
+        none = f"at none of {len(points)} places between the bounds can the model be solved"
         raise InputError("identify", [f"{none}; widen or correct the bounds"])
     kept = _spread(sorted(judged, key=lambda pair: pair[0]), problem.first)
-    if kept and problem.has_known_rows:  # what is known beforehand counts by the noise, of which the best place tells most
+    if kept and problem.has_known_rows:  # what is known beforehand counts by the noise, of which the best point tells most
         problem = problem.trusting(max(float(np.sqrt(kept[0][0] / len(problem.y))), 1.0))
     ends: list[Found] = []
-    for k, place in enumerate([*inside, *(place for _, place in kept)]):
+    for k, point in enumerate([*inside, *(point for _, point in kept)]):
         if progress:
             progress(min(k, _POLISHED), _POLISHED + 1)
             look()
-        ends.append(polished(problem, place, rough=True))
+        ends.append(polished(problem, point, rough=True))
         if ends[-1].stopped:
             break
     return ends
 
 
-def _judged(problem: Any, place: Array) -> tuple[float, Any]:
+def _judged(problem: Any, point: Array) -> tuple[float, Any]:
     look()
-    whole = problem.aligned(place)
+    whole = problem.aligned(point)
     rest = problem.residuals(whole)
     return float(rest @ rest), whole
 
 
 def _spread(chosen: list[tuple[float, Any]], first: int) -> list[tuple[float, Any]]:
-    """The best places that are apart from one another in the numbers of the model, and of a plateau one."""
+    """The best points that are apart from one another in the numbers of the model, and of a plateau one."""
     kept: list[tuple[float, Any]] = []
-    for cost, place in chosen:
-        if all(abs(place - other)[:first].max() > _APART and abs(cost - same) > _PLATEAU * cost for same, other in kept):
-            kept.append((cost, place))
+    for cost, point in chosen:
+        if all(abs(point - other)[:first].max() > _APART and abs(cost - same) > _PLATEAU * cost for same, other in kept):
+            kept.append((cost, point))
         if len(kept) == _POLISHED:
             break
     return kept
 
 
 @in_one_thread
-def polished(problem: Any, place: Array, rough: bool = False) -> Found:
-    """Trust-region steps from a place to the nearest least sum of squares; who interrupts them gets the best place so far."""
+def polished(problem: Any, point: Array, rough: bool = False) -> Found:
+    """Trust-region steps from a point to the nearest least sum of squares; who interrupts them gets the best point so far."""
     from scipy.optimize import least_squares
 
     low, high = problem.bounds()
     best = _Best(problem)
-    inside = np.clip(best.limits.inner(place), low + 1e-9, high - 1e-9)
+    inside = np.clip(best.limits.inner(point), low + 1e-9, high - 1e-9)
     if len(inside) == 0:
         rest = problem.residuals(inside)
         return Found(inside, rest, np.empty((len(rest), 0)), 0)
@@ -156,31 +156,31 @@ def polished(problem: Any, place: Array, rough: bool = False) -> Found:
     return Found(best.limits.place(fit.x), fit.fun, best.slopes, int(fit.nfev))
 
 
-def polished_to_end(problem: Any, place: Array, rough: bool = False) -> Found:
+def polished_to_end(problem: Any, point: Array, rough: bool = False) -> Found:
     """The same for whoever needs the least sum of squares itself: an interruption goes on."""
-    end = polished(problem, place, rough)
+    end = polished(problem, point, rough)
     if end.stopped:
         raise Interrupted
     return end
 
 
 class _Best:
-    """The residuals of a problem over coordinates of a search, and the best place at which they were asked for."""
+    """The residuals of a problem over coordinates of a search, and the best point at which they were asked for."""
 
     def __init__(self, problem: Any):
         self.problem, self.steps = problem, 0
         self.limits = problem.parameters.limits
         self.place: Any = None
         self.residuals: Any = None
-        self.slopes: Any = None  # by the place, where derivatives were asked for last: where the best place was reached
+        self.slopes: Any = None  # by the point, where derivatives were asked for last: where the best point was reached
 
     def __call__(self, inner: Any) -> Any:
-        place = self.limits.place(inner)
-        found = self.problem.residuals(place)
+        point = self.limits.place(inner)
+        residuals = self.problem.residuals(point)
         self.steps += 1
-        if self.residuals is None or found @ found < self.residuals @ self.residuals:
-            self.place, self.residuals = np.array(place), found
-        return found
+        if self.residuals is None or residuals @ residuals < self.residuals @ self.residuals:
+            self.place, self.residuals = np.array(point), residuals
+        return residuals
 
     def jacobian(self, inner: Any) -> Any:
         """Derivatives by the coordinates."""

@@ -45,11 +45,11 @@ def shown_by_sensor(target: Any, h: Array, reading: dict[str, Any]) -> Any:
     if not reading:
         return h
     middle = _middle(target)
-    found = middle + change_shown(target, h - middle, reading) + reading.get("offset", 0.0)
+    reading_shown = middle + change_shown(target, h - middle, reading) + reading.get("offset", 0.0)
     for what, of in _ADDED.items():
         if what in reading:
-            found = found + _wide(of(target), found) * reading[what]
-    return found
+            reading_shown = reading_shown + _wide(of(target), reading_shown) * reading[what]
+    return reading_shown
 
 
 _ADDED = {"drift": _course, "inertia": lambda target: target.acceleration}
@@ -67,8 +67,8 @@ def _column(what: str, target: Any, h: Array, reading: dict[str, Any]) -> Any:
         return _ADDED[what](target)
     if what == "offset":
         return np.ones(target.count)
-    seen = _delayed(target, h - _middle(target), reading.get("delay"))
-    return seen if what == "gain" else -reading.get("gain", 1.0) * np.gradient(seen, target.time)
+    delayed = _delayed(target, h - _middle(target), reading.get("delay"))
+    return delayed if what == "gain" else -reading.get("gain", 1.0) * np.gradient(delayed, target.time)
 
 
 def known_rows(numbers: Any, width: int) -> Any:

@@ -181,17 +181,17 @@ def _typed(given: Any, count: int, problems: Problems) -> list[tuple[str, Any]]:
 
 def _records(name: str, targets: Any, problems: Problems) -> tuple[int, ...]:
     """The records that a name means, all or one, as far as they have the effect."""
-    found = re.fullmatch(r"(\w+)(?:\[(\d+)\])?", name)
-    if found is None or found[1] not in EFFECTS:
+    match = re.fullmatch(r"(\w+)(?:\[(\d+)\])?", name)
+    if match is None or match[1] not in EFFECTS:
         problems.add(f"sensor: {name!r} is not known; {did_you_mean(name, EFFECTS)}")
         return ()
-    if found[2] and int(found[2]) >= len(targets):
-        problems.add(f"sensor: {name} names record {found[2]}; there are {len(targets)}, counted from 0")
+    if match[2] and int(match[2]) >= len(targets):
+        problems.add(f"sensor: {name} names record {match[2]}; there are {len(targets)}, counted from 0")
         return ()
-    meant, able = [int(found[2])] if found[2] else range(len(targets)), EFFECTS[found[1]].kinds
+    meant, able = [int(match[2])] if match[2] else range(len(targets)), EFFECTS[match[1]].kinds
     records = tuple(i for i in meant if targets[i].kind in able)
     kinds = sorted({targets[i].kind for i in meant})
-    if not records and not (found[1] == "delay" and set(kinds) <= {"velocity", "position"}):  # a steady motion has it in its phase
+    if not records and not (match[1] == "delay" and set(kinds) <= {"velocity", "position"}):  # a steady motion has it in its phase
         problems.add(f"sensor: {name} belongs to records of {' and '.join(able)}; these are of {' and '.join(kinds)}; leave it out")
     return records
 

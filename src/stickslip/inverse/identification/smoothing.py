@@ -65,14 +65,14 @@ class MotionChannel:
 
     def again(self, motion: Any, rng: Any) -> MotionChannel:
         """The channel as it might have measured a motion (values at its instants)."""
-        seen = motion + rng.normal(0.0, 1.0, len(motion)) * self.sigma
+        noisy = motion + rng.normal(0.0, 1.0, len(motion)) * self.sigma
         if self.count == 0.0:
-            return replace(self, y=seen)
-        place = (seen - rng.uniform(0.0, self.count)) / self.count
-        shift, first = seen[0] / self.count - place[0], int(np.floor(place.min())) - 1
-        edges = rng.normal(0.0, _EDGE, int(np.ptp(place)) + 5)
-        off = np.interp(place - first, np.arange(len(edges)) + 0.5, edges)
-        return replace(self, y=self.count * (np.round(place + off) + shift))
+            return replace(self, y=noisy)
+        counts = (noisy - rng.uniform(0.0, self.count)) / self.count
+        shift, first = noisy[0] / self.count - counts[0], int(np.floor(counts.min())) - 1
+        edges = rng.normal(0.0, _EDGE, int(np.ptp(counts)) + 5)
+        off = np.interp(counts - first, np.arange(len(edges)) + 0.5, edges)
+        return replace(self, y=self.count * (np.round(counts + off) + shift))
 
 
 @sealed
@@ -132,11 +132,11 @@ class _Knots:
 
         t = np.clip(t, self.start, self.start + self.step * self.count)
         knots = self.t[order : len(self.t) - order] if order else self.t
-        found = BSpline.design_matrix(t, knots, _DEGREE - order, extrapolate=True)
+        matrix = BSpline.design_matrix(t, knots, _DEGREE - order, extrapolate=True)
         for k in range(order):
             size = self.size - order + k
-            found = found @ diags([-1.0 / self.step, 1.0 / self.step], [0, 1], shape=(size, size + 1))
-        return found.tocsr()
+            matrix = matrix @ diags([-1.0 / self.step, 1.0 / self.step], [0, 1], shape=(size, size + 1))
+        return matrix.tocsr()
 
     def values(self, t: ArrayLike, coefficients: Any, order: int) -> Any:
         return self.matrix(t, order) @ coefficients
@@ -171,10 +171,10 @@ class _Rows:
 
 def _banded(matrix: Any, size: int) -> Any:
     """The upper half of a symmetric matrix as `solveh_banded` wants it."""
-    found = np.zeros((_DEGREE + 1, size))
+    bands = np.zeros((_DEGREE + 1, size))
     for k in range(_DEGREE + 1):
-        found[_DEGREE - k, k:] = matrix.diagonal(k)
-    return found
+        bands[_DEGREE - k, k:] = matrix.diagonal(k)
+    return bands
 
 
 def smoothed(channels: tuple[MotionChannel, ...]) -> Smooth | None:
@@ -190,9 +190,9 @@ def smoothed(channels: tuple[MotionChannel, ...]) -> Smooth | None:
     start, end = min(float(c.t[0]) for c in channels), max(float(c.t[-1]) for c in channels)
     finest = max(int(np.ceil((end - start) / step)), 8)
     for _ in range(2):  # once more with the noise that is left
-        found, free = _best(channels, start, end - start, finest)
-        channels = tuple(_with_its_noise(c, found, free) for c in channels)
-    return replace(found, channels=channels)
+        motion, free = _best(channels, start, end - start, finest)
+        channels = tuple(_with_its_noise(c, motion, free) for c in channels)
+    return replace(motion, channels=channels)
 
 
 def _clean(c: MotionChannel) -> bool:
@@ -207,11 +207,11 @@ def _bends(y: ArrayLike, order: int) -> float:
     return float(np.median(abs(bends))) / 0.6744897501960817 / np.sqrt(comb(2 * order, order)) if len(bends) > 8 else np.inf
 
 
-def _with_its_noise(c: MotionChannel, found: Smooth, free: float) -> MotionChannel:
+def _with_its_noise(c: MotionChannel, motion: Smooth, free: float) -> MotionChannel:
     """A channel with the noise that the smoothed motion leaves of it."""
     if c.count or len(c.t) < 16:
         return c
-    rest = c.y - found.at(c.t, c.order)
+    rest = c.y - motion.at(c.t, c.order)
     usual = float(np.median(abs(rest))) / 0.6744897501960817 / np.sqrt(max(free, 0.1))
     return replace(c, sigma=max(usual, 0.5 * c.sigma))
 
@@ -245,14 +245,14 @@ def _chosen(rows: _Rows) -> tuple[float, float, float, Any, float]:
     while phase > _LEAST_PHASE and rises < 5:
         weight = density / (2 * np.sin(0.5 * phase)) ** 6
         try:
-            found = rows.solved(weight, probes)
+            solutions = rows.solved(weight, probes)
         except np.linalg.LinAlgError:  # no bandwidth as low as that
             break
-        met = rows.matrix @ found
+        met = rows.matrix @ solutions
         bent = float(np.mean(np.sum(probes * met[:, 1:], axis=0)))
         cost = float(np.sum((rows.y - met[:, 0]) ** 2)) + 2 * bent
         if best is None or cost < best[0]:
-            best, rises = (cost, weight, phase, found[:, 0], 1 - bent / n), 0
+            best, rises = (cost, weight, phase, solutions[:, 0], 1 - bent / n), 0
         else:
             rises += 1
         phase /= _GRID
@@ -276,9 +276,9 @@ def _edges(t: Array, y: Array, count: float, sigma: float) -> tuple[Any, Any, An
     change = np.flatnonzero(np.diff(y) != 0)
     bounds = np.concatenate([[0], change + 1, [len(y)]])
     lengths = np.diff(bounds)
-    beside = np.minimum(lengths[:-1], lengths[1:])
+    nearest = np.minimum(lengths[:-1], lengths[1:])
     size = abs(y[change + 1] - y[change])
-    crossed = np.sqrt(size**2 / (12.0 * np.where(size > 1.5 * count, 1, beside) ** 2) + (_EDGE * count) ** 2 + sigma**2)
+    crossed = np.sqrt(size**2 / (12.0 * np.where(size > 1.5 * count, 1, nearest) ** 2) + (_EDGE * count) ** 2 + sigma**2)
     slack = np.repeat(np.sqrt(lengths * (count**2 / 12 + sigma**2)), lengths)
     return (
         np.concatenate([0.5 * (t[change] + t[change + 1]), t]),

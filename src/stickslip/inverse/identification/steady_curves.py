@@ -119,10 +119,10 @@ def steady_curve(robot: Any, start: dict[str, Any] | None = None, rtol: float = 
             continue
         spent += periods
         v = run.strobe_v
-        found = next((p for p in range(1, _LONGEST + 1) if len(v) > 2 * p and abs(v[-p:] - v[-2 * p : -p]).max() <= tolerance), None)
-        if spent >= _MOST or (found is not None and not _still_nearing(v, found, _LEFT * tolerance)):
-            return SteadyCurve(run, found or 1, found is not None, body=body)
-        start, periods = _nearer(run, v), periods if found else min(2 * periods, 100)
+        period = next((p for p in range(1, _LONGEST + 1) if len(v) > 2 * p and abs(v[-p:] - v[-2 * p : -p]).max() <= tolerance), None)
+        if spent >= _MOST or (period is not None and not _still_nearing(v, period, _LEFT * tolerance)):
+            return SteadyCurve(run, period or 1, period is not None, body=body)
+        start, periods = _nearer(run, v), periods if period else min(2 * periods, 100)
 
 
 def _still_nearing(v: Array, p: int, tolerance: float) -> bool:
@@ -157,7 +157,7 @@ def moves_alike_anywhere(model: Model) -> bool:
     for t, q, u, away in rng.uniform(-1.0, 1.0, (_LOOKED, 4)):
         at, moving = abs(float(t)) * model.period, (u,) * m.coordinates
         places = (tuple(x + q for x in m.start), tuple(x + q + away for x in m.start))
-        here, there = ([*m.accelerations(at, place, moving, held), *m.loads(at, place)] for place in places)
+        here, there = ([*m.accelerations(at, positions, moving, held), *m.loads(at, positions)] for positions in places)
         if not np.allclose(here, there, rtol=1e-12, atol=0.0):
             return False
     return True

@@ -27,7 +27,7 @@ _KEPT = 8  # curves of each record that are remembered
 class SteadyProblem(OverParameters):
     """Fit of steady curves and of mean velocities.
 
-    A search moves the places of the free parameters (0 to 1 between their bounds) and, for each curve, the drive's phase in the middle of
+    A search moves the points of the free parameters (0 to 1 between their bounds) and, for each curve, the drive's phase in the middle of
     the record and, where the frequency was found in the data, by how much the phase slips from its first to its last sample. A record
     that begins with a transient has the velocity at the strobe time before its first sample besides, and the position there if the motion
     depends on it; a position has an offset, which is linear and is taken out.
@@ -63,7 +63,7 @@ class SteadyProblem(OverParameters):
 
     @property
     def timing(self) -> int:
-        """How many numbers a place has behind the free parameters."""
+        """How many numbers a point has behind the free parameters."""
         return len(self._timing)
 
     @property
@@ -72,11 +72,11 @@ class SteadyProblem(OverParameters):
         wanted = {"phase": lambda t: True, "slip": lambda t: t.slips, "start": lambda t: t.transient, "place": lambda t: t.placed}
         return tuple((i, what) for i in self.curves for what, of in wanted.items() if of(self.targets[i]))
 
-    def _phase(self, place: Array, i: int) -> Any:
+    def _phase(self, point: Array, i: int) -> Any:
         """Drive phases of the samples of record i."""
         target, n = self.targets[i], len(self.parameters.free)
-        phase = target.phase + place[n + self._timing.index((i, "phase"))]
-        return phase + place[n + self._timing.index((i, "slip"))] * target.course if target.slips else phase
+        phase = target.phase + point[n + self._timing.index((i, "phase"))]
+        return phase + point[n + self._timing.index((i, "slip"))] * target.course if target.slips else phase
 
     def _like(self, **changes: Any) -> SteadyProblem:
         return dataclasses.replace(self, **{"solves": 0, "_warm": dict(self._warm), "_curves": {}, **changes})
@@ -94,12 +94,12 @@ class SteadyProblem(OverParameters):
         return self._like(rtol=max(self.rtol, 1e-6), kinked=False)
 
     # ---- predictions ----
-    def predicted(self, place: Any, readings: Any = None) -> Any:
+    def predicted(self, point: Any, readings: Any = None) -> Any:
         """Values of all records in the order of `y`; None where the parameters make no model.
 
         Of the readings of a record the harmonics of its drive count, which are of the motion.
         """
-        motions = self._motions(place, readings)
+        motions = self._motions(point, readings)
         if motions is None:
             return None
         parts = []
@@ -107,22 +107,22 @@ class SteadyProblem(OverParameters):
             if target.kind == "mean":
                 parts.append(np.array([motion.mean_velocity]))
                 continue
-            parts.append(modelled_values(target, motion, self._phase(place, i)))
+            parts.append(modelled_values(target, motion, self._phase(point, i)))
         return np.concatenate(parts)
 
-    def _starts(self, place: Array) -> dict[int, dict[str, float]]:
-        """Velocities, and positions, at the strobe time before the first sample; at rest at zero where the place does not say."""
-        n, found = len(self.parameters.free), dict[int, dict[str, float]]()
+    def _starts(self, point: Array) -> dict[int, dict[str, float]]:
+        """Velocities, and positions, at the strobe time before the first sample; at rest at zero where the point does not say."""
+        n, starts = len(self.parameters.free), dict[int, dict[str, float]]()
         for k, (i, what) in enumerate(self._timing, n):
             if what in _BEGINS:
                 name, size = _BEGINS[what]
-                found.setdefault(i, {})[name] = float(place[k]) * size(self.targets[i]) if len(place) > n else 0.0
-        return found
+                starts.setdefault(i, {})[name] = float(point[k]) * size(self.targets[i]) if len(point) > n else 0.0
+        return starts
 
-    def _motions(self, place: Any, readings: Any = None) -> list[Any] | None:
+    def _motions(self, point: Any, readings: Any = None) -> list[Any] | None:
         """The curve of each record; the last few of each are remembered."""
-        starts, free = self._starts(place), np.asarray(place[: len(self.parameters.free)], float)
-        found = []
+        starts, free = self._starts(point), np.asarray(point[: len(self.parameters.free)], float)
+        curves = []
         for i in range(len(self.targets)):
             ripple = ripple_of(readings[i]) if readings else {}
             key = (i, *free.tolist(), *starts.get(i, {}).values(), *ripple.items())
@@ -130,10 +130,10 @@ class SteadyProblem(OverParameters):
                 self._curves.pop(key) if key in self._curves else self._solved(free, i, starts.get(i, {}), readings[i] if ripple else {})
             )
             self._curves[key] = curve  # as the last one that was asked for
-            found.append(curve)
+            curves.append(curve)
         while len(self._curves) > _KEPT * len(self.targets):
             self._curves.pop(next(iter(self._curves)))
-        return None if any(curve is None for curve in found) else found
+        return None if any(curve is None for curve in curves) else curves
 
     def _solved(self, free: Any, i: int, start: dict[str, float], reading: dict[str, Any]) -> Any:
         """The curve of one record; None where there is none."""
@@ -149,57 +149,57 @@ class SteadyProblem(OverParameters):
         self._warm[i] = motion.end
         return motion
 
-    def ends(self, places: Any, readings: Any = None) -> tuple[Any, Any]:
-        """The least and the greatest values for many places (cases, numbers): arrays (values, cases), of motions one and the same.
+    def ends(self, points: Any, readings: Any = None) -> tuple[Any, Any]:
+        """The least and the greatest values for many points (cases, numbers): arrays (values, cases), of motions one and the same.
 
-        NaN where a place makes no model.
+        NaN where a point makes no model.
         """
-        found = [self.predicted(place, _case(readings, k)) for k, place in enumerate(places)]
-        values = np.stack([np.full(len(self.y), np.nan) if each is None else each for each in found], axis=1)
+        predictions = [self.predicted(point, _case(readings, k)) for k, point in enumerate(points)]
+        values = np.stack([np.full(len(self.y), np.nan) if each is None else each for each in predictions], axis=1)
         return values, values
 
-    def slopes(self, place: Any, readings: Any = None) -> tuple[Any, Any]:
+    def slopes(self, point: Any, readings: Any = None) -> tuple[Any, Any]:
         """Derivatives of the least and the greatest values, which are the same; those for the phases need no solve."""
         one = _case(readings, 0)
-        n, here = len(self.parameters.free), self.predicted(place, one)
+        n, here = len(self.parameters.free), self.predicted(point, one)
         columns = []
         for k in range(n):
-            columns.append(self._slope(place, k, here, one))
-        slopes = {i: self._phase_slope(place, i, one) for i in self.curves}
+            columns.append(self._slope(point, k, here, one))
+        slopes = {i: self._phase_slope(point, i, one) for i in self.curves}
         for k, (i, what) in enumerate(self._timing):
             course = self._course(i) if what == "slip" else 1.0
-            columns.append(self._slope(place, n + k, here, one) if what in _BEGINS else slopes[i] * course)
-        found = np.stack(columns, axis=1) if columns else np.empty((len(self.y), 0))
-        return found, found
+            columns.append(self._slope(point, n + k, here, one) if what in _BEGINS else slopes[i] * course)
+        derivatives = np.stack(columns, axis=1) if columns else np.empty((len(self.y), 0))
+        return derivatives, derivatives
 
-    def _slope(self, place: Array, k: int, here: Any, readings: Sequence[Mapping[str, Any]]) -> Any:
+    def _slope(self, point: Array, k: int, here: Any, readings: Sequence[Mapping[str, Any]]) -> Any:
         """Derivative of the values by one free parameter: one-sided in the search, else central where both sides make a model."""
         h, sides = 10 * _STEP if not self.kinked else _STEP, []
         for sign in (1.0, -1.0):
-            moved = np.array(place, float)
+            moved = np.array(point, float)
             moved[k] += sign * h
-            found = self.predicted(moved, readings) if k >= len(self.parameters.free) or 0.0 <= moved[k] <= 1.0 else None
-            if found is not None:
-                sides.append((sign * h, found))
+            shifted = self.predicted(moved, readings) if k >= len(self.parameters.free) or 0.0 <= moved[k] <= 1.0 else None
+            if shifted is not None:
+                sides.append((sign * h, shifted))
             if sides and not self.kinked:
                 break
         if len(sides) == 2:
             return (sides[0][1] - sides[1][1]) / (2 * h)
         if len(sides) == 1 and here is not None:
             step, once = sides[0]
-            moved = np.array(place, float)
+            moved = np.array(point, float)
             moved[k] += 2 * step
             inside = self.kinked and k < len(self.parameters.free) and 0.0 <= moved[k] <= 1.0
             twice = self.predicted(moved, readings) if inside else None
             return (once - here) / step if twice is None else (4 * (once - here) - (twice - here)) / (2 * step)
         return np.zeros(len(self.y))
 
-    def _phase_slope(self, place: Array, i: int, readings: Sequence[Mapping[str, Any]], h: float = 1e-6) -> Any:
+    def _phase_slope(self, point: Array, i: int, readings: Sequence[Mapping[str, Any]], h: float = 1e-6) -> Any:
         """Derivative of the values of record i by its phase; zero for the others."""
-        motions = self._motions(place, readings)
+        motions = self._motions(point, readings)
         parts = [np.zeros(t.count) for t in self.targets]
         if motions is not None:
-            phase = self._phase(place, i)
+            phase = self._phase(point, i)
             up, down = (modelled_values(self.targets[i], motions[i], phase + sign * h) for sign in (1, -1))
             parts[i] = (up - down) / (2 * h)
         return np.concatenate(parts)
@@ -208,11 +208,11 @@ class SteadyProblem(OverParameters):
         return np.concatenate([t.course if k == i else np.zeros(t.count) for k, t in enumerate(self.targets)])
 
     # ---- search ----
-    def aligned(self, place: Array) -> Any:
-        """The place of the free parameters with the best phase of each curve behind it."""
-        motions = self._motions(place)
-        phases = {i: 0.0 if motions is None else self._aligned(place, i, motions[i]) for i in self.curves}
-        whole = np.concatenate([place, [phases[i] if what == "phase" else 0.0 for i, what in self._timing]])
+    def aligned(self, point: Array) -> Any:
+        """The point of the free parameters with the best phase of each curve behind it."""
+        motions = self._motions(point)
+        phases = {i: 0.0 if motions is None else self._aligned(point, i, motions[i]) for i in self.curves}
+        whole = np.concatenate([point, [phases[i] if what == "phase" else 0.0 for i, what in self._timing]])
         for k, (_, what) in enumerate(self._timing, len(self.parameters.free)):
             if what == "place" and motions is not None:
                 whole = self._placed(whole, k)
@@ -225,7 +225,7 @@ class SteadyProblem(OverParameters):
         rests = [np.inf if v is None else float(np.sum(((v - self.y) / self.sigma) ** 2)) for v in values]
         return tried[int(np.argmin(rests))]
 
-    def _aligned(self, place: Array, i: int, motion: Any) -> float:
+    def _aligned(self, point: Array, i: int, motion: Any) -> float:
         """The best phase of one curve; that of a transient from its second half, which is taken as steady."""
         target = self.targets[i]
         if not target.transient:
@@ -235,7 +235,7 @@ class SteadyProblem(OverParameters):
             target, phase=target.phase[late], y=target.y[late], clipped=0, weight=(target.weight * target.exact)[late]
         )
         try:
-            steady = steady_curve(self.parameters.model(self.parameters.values(place), i), None, self.rtol, target.body)
+            steady = steady_curve(self.parameters.model(self.parameters.values(point), i), None, self.rtol, target.body)
         except (InputError, SolveError):
             return 0.0
         phase = best_phase(tail, steady) % 1.0
@@ -243,18 +243,18 @@ class SteadyProblem(OverParameters):
         return min(costs, key=lambda p: costs[p]) if phase > 0.9 else phase
 
     def bounds(self) -> tuple[Any, Any]:
-        """Bounds of a whole place."""
+        """Bounds of a whole point."""
         n, m = len(self.parameters.free), len(self._timing)
         return np.concatenate([np.zeros(n), np.full(m, -np.inf)]), np.concatenate([np.ones(n), np.full(m, np.inf)])
 
-    def coarse(self, places: Array, offsets: Any) -> Any:
-        """How badly many places fit, told from mean and extreme velocities alone: one batch for each record. Lower is better.
+    def coarse(self, points: Array, offsets: Any) -> Any:
+        """How badly many points fit, told from mean and extreme velocities alone: one batch for each record. Lower is better.
 
         Of a record whose offset is None, the sensor's zero is not known.
         """
-        places = np.asarray(places, float)
-        good, batches = self.parameters.batches(places)
-        score = np.full(len(places), np.inf)
+        points = np.asarray(points, float)
+        good, batches = self.parameters.batches(points)
+        score = np.full(len(points), np.inf)
         if not good.any():
             return score
         total = np.zeros(int(good.sum()))
@@ -276,20 +276,20 @@ def _case(readings: Sequence[Mapping[str, Any]], k: int) -> Any:
 _FEATURES = ("mean_velocity", "velocity_max", "velocity_min")
 
 
-def _distance(target: Target, seen: dict[str, Any], offset: float | None) -> Any:
+def _distance(target: Target, computed: dict[str, Any], offset: float | None) -> Any:
     """Squared distance of mean and extreme velocities from those of a record."""
     if target.kind == "mean":
-        return ((seen["mean_velocity"] - target.y[0]) / target.sigma) ** 2
+        return ((computed["mean_velocity"] - target.y[0]) / target.sigma) ** 2
     if target.kind == "position":
         slope = np.polyfit(target.phase, target.y, 1)[0] * target.frequency
-        return ((seen["mean_velocity"] - slope) / (np.ptp(target.y) * target.frequency)) ** 2
+        return ((computed["mean_velocity"] - slope) / (np.ptp(target.y) * target.frequency)) ** 2
     low, high = np.quantile(_smoothed(target), (0.0, 1.0))
     scale = max(high - low, 1e-300)
     wanted = {"mean_velocity": float(np.average(target.y, weights=target.weight)), "velocity_max": high, "velocity_min": low}
     if offset is None:  # the extremes from the mean, which says nothing
-        wanted, seen = ({name: each[name] - each["mean_velocity"] for name in _FEATURES} for each in (wanted, seen))
+        wanted, computed = ({name: each[name] - each["mean_velocity"] for name in _FEATURES} for each in (wanted, computed))
         offset = 0.0
-    apart = {name: (seen[name] + offset - wanted[name]) / scale for name in _FEATURES}
+    apart = {name: (computed[name] + offset - wanted[name]) / scale for name in _FEATURES}
     if np.any(target.clipped > 0):  # an extreme is that or beyond
         apart["velocity_max"] = np.minimum(apart["velocity_max"], 0.0)
     if np.any(target.clipped < 0):

@@ -66,17 +66,17 @@ def structures(target: Any, rest: Array, which: Any, inputs: Any = None) -> list
         return []
     rest, inputs = rest[which], None if inputs is None else inputs[which]
     made = _over_motion(*(each[which] for each in target.moved)) if over_motion else _in_phase(target.phase[which], float(target.period))
-    found = [_tested(basis, rest, inputs, said) for basis, said in made]
-    found += [] if over_motion else _lines(target.phase[which], rest)
-    clear = sorted((one for one in found if one.chance * len(found) < _LEVEL), key=lambda one: one.chance)
+    tests = [_tested(basis, rest, inputs, said) for basis, said in made]
+    tests += [] if over_motion else _lines(target.phase[which], rest)
+    clear = sorted((one for one in tests if one.chance * len(tests) < _LEVEL), key=lambda one: one.chance)
     return [Structure(one.said, one.chance, _spread_out(one.basis, which), one.power) for one in clear]
 
 
 def _spread_out(basis: Any, which: Any) -> Any:
     """A basis of some values as one of all."""
-    found = np.zeros((len(which), basis.shape[1]))
-    found[which] = basis
-    return found
+    whole = np.zeros((len(which), basis.shape[1]))
+    whole[which] = basis
+    return whole
 
 
 def _tested(basis: Any, rest: Array, inputs: Any, said: str) -> Structure:
@@ -133,7 +133,7 @@ def _lines(phase: Any, rest: Array) -> list[Structure]:
     if periods < 6:
         return []
     away = np.concatenate([-np.arange(2, 8), np.arange(2, 8)]) / periods
-    found = []
+    lines = []
     for n in range(1, min(_LINES, int(0.4 * len(rest) / periods)) + 1):
         here, around = _power(phase, rest, n), np.array([_power(phase, rest, n + d) for d in away if n + d > 0])
         usual = max(float(np.mean(around)), 1e-300)
@@ -141,8 +141,8 @@ def _lines(phase: Any, rest: Array) -> list[Structure]:
         basis = _unit([np.cos(2 * np.pi * n * phase), np.sin(2 * np.pi * n * phase)])
         along = basis.T @ rest
         power = max(float(along @ along) / 2 * (1 - usual / here), 0.0) if here > 0 else 0.0
-        found.append(Structure(said, float(ratio.sf(here / usual, 2, 2 * len(around))), basis, power))
-    return found
+        lines.append(Structure(said, float(ratio.sf(here / usual, 2, 2 * len(around))), basis, power))
+    return lines
 
 
 def _power(phase: Any, rest: Array, n: float) -> float:
@@ -157,7 +157,7 @@ def _ordinal(n: int) -> str:
 def _over_motion(t: Any, x: Any, v: Any) -> Iterator[tuple[Any, str]]:
     """Means over velocities, over places in either direction, after reversals, and halves of the record."""
     forwards = v > 0
-    found = [
+    bases = [
         (_bins(_ranked(v, _VELOCITIES)), "mean over velocities {:.2g} times that of noise"),
         (_bins(2 * _ranked(x, _PLACES) + forwards), "mean over places {:.2g} times that of noise"),
     ]
@@ -165,8 +165,8 @@ def _over_motion(t: Any, x: Any, v: Any) -> Iterator[tuple[Any, str]]:
     if len(turns) > 1:
         first = np.maximum.accumulate(np.where(np.isin(np.arange(len(x)), turns), np.arange(len(x)), 0))
         way = abs(x - x[first]) / (float(np.median(abs(np.diff(x[turns])))) or 1.0)
-        found.append((_bins(2 * np.searchsorted(_AFTER, way) + forwards), "mean after reversals {:.2g} times that of noise"))
-    for basis, said in found:
+        bases.append((_bins(2 * np.searchsorted(_AFTER, way) + forwards), "mean after reversals {:.2g} times that of noise"))
+    for basis, said in bases:
         if basis is not None:
             yield basis, said
     side = np.where(np.arange(len(t)) < len(t) // 2, 1.0, -1.0)

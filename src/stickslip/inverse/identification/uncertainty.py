@@ -23,10 +23,10 @@ _LEVEL = 0.95  # of the intervals that are looked at for a parabola
 _USUAL = 2.0  # standard errors of white noise where that is done
 _WIDER = 1.1  # by which an interval reaches farther if its end is looked at too
 _BEYOND = 1.5  # ends of an interval at which the sum of squares must still be up
-_FOLLOWS = 3  # places there, each with the other numbers nearer to their best
+_FOLLOWS = 3  # points there, each with the other numbers nearer to their best
 _AT_BOUND = 1e-4  # on the scale of the search
 _WANTED = 0.05  # of the distance of its bounds: error of a parameter with the sensor that is recommended
-_PROFILED = 24  # places that are tried for one end of a profile
+_PROFILED = 24  # points that are tried for one end of a profile
 _NEAR_BOUND = 0.1  # standard errors to a bound, nearer than which nothing is seen of a parabola
 
 
@@ -40,9 +40,9 @@ def known_to_be(fit: Fit, numbers: list[str], free: Sequence[str] = ()) -> Fit:
     """The same fit if these numbers of the sensors and these parameters were known to be as they are fitted."""
     of, first = fit.problem.parameters.free, fit.problem.first
     problem = fit.problem.holding(numbers, fit.place).only({name: fit.values[name] for name in free})
-    place = [f.name not in free for f in of] + [True] * (first - len(of)) + [n.name not in numbers for n in fit.problem.numbers]
+    free_numbers = [f.name not in free for f in of] + [True] * (first - len(of)) + [n.name not in numbers for n in fit.problem.numbers]
     known = [f.name not in free for f in of if f.prior] + [n.name not in numbers for n in fit.problem.numbers if n.prior]
-    kept, rows = np.array(place, bool), np.array([True] * fit.count + known, bool)
+    kept, rows = np.array(free_numbers, bool), np.array([True] * fit.count + known, bool)
     jacobian = fit.jacobian[rows][:, kept]
     return dataclasses.replace(
         fit, values={n: v for n, v in fit.values.items() if n not in free}, problem=problem, place=fit.place[kept], jacobian=jacobian,
@@ -80,7 +80,7 @@ def _quantile(fit: Fit, level: float) -> float:
 
 
 def by_covariance(fit: Fit, name: str, level: float) -> tuple[float, float]:
-    """From the curvature at the best place, symmetric on the scale of the search."""
+    """From the curvature at the best point, symmetric on the scale of the search."""
     k = fit.names.index(name)
     free = fit.problem.parameters.free[k]
     if fit.information.undetermined[k]:
@@ -95,7 +95,7 @@ def by_input(fit: Fit, name: str, level: float) -> tuple[float, float]:
 
 
 def about(fit: Fit, k: int, half: float) -> tuple[float, float]:
-    """The interval so far on either side of a place, within the bounds."""
+    """The interval so far on either side of a point, within the bounds."""
     free = fit.problem.parameters.free[k]
     low, high = np.clip([fit.place[k] - half, fit.place[k] + half], 0.0, 1.0)
     return float(free.outer(low)), float(free.outer(high))
@@ -145,14 +145,14 @@ def _profile_end(fit: Fit, k: int, sign: float, rise: float) -> float:
 
 
 def _risen(fit: Fit, k: int, held: float, start: Any) -> tuple[float, Any]:
-    """By how much the sum of squares rises when a parameter is held, the others free: from a place, or from where they would follow to."""
+    """By how much the sum of squares rises when a parameter is held, the others free: from a point, or from where they would follow to."""
     name = fit.names[k]
     free, looser = fit.problem.parameters.free[k], _looser(fit, k)
     problem = fit.problem.trusting(fit.problem.trust * np.sqrt(looser)).only({name: float(free.outer(np.clip(held, 0.0, 1.0)))})
-    tried = [np.delete(place, k) for place in (start, _followed(fit, k, held, start))]
+    tried = [np.delete(point, k) for point in (start, _followed(fit, k, held, start))]
     sums = [float(rest @ rest) for rest in map(problem.residuals, tried)]
-    found = polished_to_end(problem, tried[int(np.argmin(sums))], rough=True)
-    return found.cost - fit.cost - (looser - 1) * fit.penalty, np.insert(found.place, k, held)
+    end = polished_to_end(problem, tried[int(np.argmin(sums))], rough=True)
+    return end.cost - fit.cost - (looser - 1) * fit.penalty, np.insert(end.place, k, held)
 
 
 def _looser(fit: Fit, k: int) -> float:
@@ -180,7 +180,7 @@ def _rise(fit: Fit, k: int, level: float) -> float:
 
 
 def _followed(fit: Fit, k: int, held: float, start: Any) -> Any:
-    """A place at which the others have followed a parameter along the valley of the sum of squares, as its covariance has it."""
+    """A point at which the others have followed a parameter along the valley of the sum of squares, as its covariance has it."""
     along = fit.information.of_the_determined()[:, k]
     moved = start + (along / along[k] if along[k] > 0 else 0.0 * along) * (held - start[k])
     low, high = fit.problem.bounds()
@@ -189,11 +189,11 @@ def _followed(fit: Fit, k: int, held: float, start: Any) -> Any:
 
 def faults(fit: Fit) -> list[str]:
     """Why a fit is not that of a law which holds: an interrupted search, numbers at bounds, residuals that are not noise."""
-    found = ["the search was interrupted"] if fit.stopped else []
-    found += [f"{name} ends at its bound {fit.values[name]:.5g}" for name in _at_bounds(fit)]
-    found += _against_what_is_known(fit)
-    found += [*_sensors_at_bounds(fit), *_misfit_of_means(fit)]
-    return found + [f"{q.label}: {q.excess}" for q in fit.quality if q.suspicious]
+    reasons = ["the search was interrupted"] if fit.stopped else []
+    reasons += [f"{name} ends at its bound {fit.values[name]:.5g}" for name in _at_bounds(fit)]
+    reasons += _against_what_is_known(fit)
+    reasons += [*_sensors_at_bounds(fit), *_misfit_of_means(fit)]
+    return reasons + [f"{q.label}: {q.excess}" for q in fit.quality if q.suspicious]
 
 
 _AT_SENSOR = "type a wider range for it in sensor={...}, or the law or the motion is not that of the record"
@@ -212,12 +212,12 @@ def _misfit_of_means(fit: Fit) -> list[str]:
 
 def _sensors_at_bounds(fit: Fit) -> list[str]:
     """Sentences on numbers of sensors that end at a bound."""
-    found = []
+    sentences = []
     for k, number in enumerate(fit.problem.numbers, fit.problem.first):
         low, high = number.bounds
         if np.isfinite(high - low) and min(fit.place[k] - low, high - fit.place[k]) < 1e-4 * (high - low):
-            found.append(f"{number.name} of {number.of} ends at its bound {fit.place[k]:.5g}")
-    return found
+            sentences.append(f"{number.name} of {number.of} ends at its bound {fit.place[k]:.5g}")
+    return sentences
 
 
 def _against_what_is_known(fit: Fit) -> list[str]:
@@ -243,48 +243,48 @@ def _at_bound(fit: Fit, k: int) -> str:
 
 def remarks(fit: Fit) -> list[str]:
     """Sentences on parameters at their bounds, on parameters that nothing is known of, and on residuals that are not noise."""
-    found = undetermined(fit)
-    found += lost_remarks(fit)
+    sentences = undetermined(fit)
+    sentences += lost_remarks(fit)
     curved = [name for name in fit.open if name not in fit.flat]
-    found += [f"{name} is not determined: any value between its bounds fits as well; fix it, or {fit.remedy}" for name in curved]
-    found += [
+    sentences += [f"{name} is not determined: any value between its bounds fits as well; fix it, or {fit.remedy}" for name in curved]
+    sentences += [
         f"{said}: that is wrong, or the law or the drive is not that of the record; {_BY_PRIOR}" for said in _against_what_is_known(fit)
     ]
-    found += [f"{said}: {_WIDENED}" for said in _misfit_of_means(fit)]
-    found += [f"{said}: {_AT_SENSOR}" for said in _sensors_at_bounds(fit)]
+    sentences += [f"{said}: {_WIDENED}" for said in _misfit_of_means(fit)]
+    sentences += [f"{said}: {_AT_SENSOR}" for said in _sensors_at_bounds(fit)]
     at_bounds = _at_bounds(fit)
     for k, free in enumerate(fit.problem.parameters.free):
         if free.name in fit.undetermined:
             continue
         if free.name in at_bounds:
-            found.append(f"{free.name} ends at its bound {fit.values[free.name]:.5g}: {_at_bound(fit, k)}")
+            sentences.append(f"{free.name} ends at its bound {fit.values[free.name]:.5g}: {_at_bound(fit, k)}")
         elif free.name in fit.flat:
-            found.append(f"{free.name} changes nothing measured near its fitted value, and does farther away")
+            sentences.append(f"{free.name} changes nothing measured near its fitted value, and does farther away")
         elif not _inner_error(fit, k) < 0.3:
-            found.append(
+            sentences.append(
                 f"{free.name} is hardly determined by these data: its standard error is a third of the distance of its bounds or more"
             )
-    if told := [name for name in fit.bent if name not in fit.open]:
-        found.append(
-            f"the sum of squares bends away from a parabola within the interval of {listed(told)}: "
+    if bent := [name for name in fit.bent if name not in fit.open]:
+        sentences.append(
+            f"the sum of squares bends away from a parabola within the interval of {listed(bent)}: "
             f"its interval is by profile; covariance and bootstrap are not reliable"
         )
     for q, rest in zip(fit.quality, fit.problem.parts(fit.residuals), strict=True):
         if q.suspicious:
-            found.append(f"{q.label}: {q.excess}: {_why(fit, q, rest)}")
+            sentences.append(f"{q.label}: {q.excess}: {_why(fit, q, rest)}")
     if fit.agree <= 1 and fit.starts > 1 and len(fit.names) > 1:
-        found.append("only one refined start ended here; type starts= with a larger number to look for a better place")
-    return found
+        sentences.append("only one refined start ended here; type starts= with a larger number to look for a better place")
+    return sentences
 
 
 def lost_remarks(fit: Fit) -> list[str]:
     """Sentences on parameters that the noise of the input leaves undetermined, with the sensor that would determine them."""
-    found, noisy = [], [t for t in fit.problem.targets if t.has_noise]
+    sentences, noisy = [], [t for t in fit.problem.targets if t.has_noise]
     for name in fit.lost:
         part = float(fit.input_spread[fit.names.index(name)])
         helped = "; ".join(dict.fromkeys(t.better(_WANTED / part) for t in noisy))
-        found.append(f"{name} is not determined by this record: the noise of the motion moves it from bound to bound; {helped}")
-    return found
+        sentences.append(f"{name} is not determined by this record: the noise of the motion moves it from bound to bound; {helped}")
+    return sentences
 
 
 def bent_parameters(fit: Fit) -> tuple[str, ...]:
@@ -316,12 +316,12 @@ def _stays_up(fit: Fit, k: int, along: Any, end: float) -> bool:
     follow = Information(rows[: fit.count], fit.problem.resolution, rows[fit.count :]).inverse
     low, high = fit.problem.bounds()
     for part, side in _sides(fit, along, _BEYOND * end):
-        place = fit.place + part * side
+        point = fit.place + part * side
         costs = []
         for _ in range(_FOLLOWS):
-            rest = fit.problem.residuals(place)
+            rest = fit.problem.residuals(point)
             costs.append(float(rest @ rest))
-            place[others] = np.clip(place[others] - follow @ rest, low[others], high[others])
+            point[others] = np.clip(point[others] - follow @ rest, low[others], high[others])
         if part > end and min(costs) - fit.cost < (end * fit.scale) ** 2:
             return False
     return True
@@ -345,22 +345,22 @@ def _allowed(fit: Fit, k: int, level: float) -> float:
 
 def _parabolic(fit: Fit, along: Any, away: float) -> bool:
     """Whether the sum of squares rises as a parabola so many standard errors away on either side, or as far as a bound is."""
-    told = []
+    rises = []
     for part, side in _sides(fit, along, away):
         rest = fit.problem.residuals(fit.place + part * side)
-        told.append((float(rest @ rest) - fit.cost) / (part * fit.scale) ** 2)
-    return bool(told) and all(_LEAST < rise < _MOST for rise in told)
+        rises.append((float(rest @ rest) - fit.cost) / (part * fit.scale) ** 2)
+    return bool(rises) and all(_LEAST < rise < _MOST for rise in rises)
 
 
 def _sides(fit: Fit, along: Any, away: float) -> list[tuple[float, Any]]:
     """So many standard errors, or as far as a bound is, and the direction, to either side; none where a bound is too near."""
     low, high = fit.problem.bounds()
-    found = []
+    ways = []
     for side in (along, -along):
         with np.errstate(divide="ignore", invalid="ignore"):
             room = np.where(side > 0, (high - fit.place) / side, np.where(side < 0, (low - fit.place) / side, np.inf))
-        found.append((min(float(np.min(room)), away), side))
-    return [(part, side) for part, side in found if part > _NEAR_BOUND]
+        ways.append((min(float(np.min(room)), away), side))
+    return [(part, side) for part, side in ways if part > _NEAR_BOUND]
 
 
 def _why(fit: Fit, q: Quality, rest: Array) -> str:
@@ -380,5 +380,5 @@ def widening(fit: Fit) -> dict[str, float]:
     if fit.misfit is None or fit.misfit.is_none:
         return {}
     bare = np.diag(spread_of(fit.problem, fit.jacobian, fit.residuals, fit.scale, fit.changes))
-    found = {name: float(np.sqrt(fit.spread[k, k] / bare[k])) for k, name in enumerate(fit.names) if 0 < bare[k] < np.inf}
-    return {name: factor for name, factor in found.items() if np.isfinite(factor)}
+    factors = {name: float(np.sqrt(fit.spread[k, k] / bare[k])) for k, name in enumerate(fit.names) if 0 < bare[k] < np.inf}
+    return {name: factor for name, factor in factors.items() if np.isfinite(factor)}

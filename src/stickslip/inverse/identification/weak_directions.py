@@ -62,12 +62,12 @@ def sharpened(jacobian: Array, along: Callable[[Any], Any], singular: float) -> 
     return np.where(np.isfinite(sizes), scaled * np.where(np.isfinite(sizes), sizes, 0.0), jacobian)
 
 
-def derivative_along(problem: Any, place: Array, slopes: Any, direction: Array) -> Any:
+def derivative_along(problem: Any, point: Array, slopes: Any, direction: Array) -> Any:
     """Derivative of the residuals of a problem (`Sensed`) along a direction; None where bounds leave no room, or there is no model."""
     sizes = np.sqrt(np.sum(slopes[:, : len(problem.parameters.free)] ** 2, axis=0))
     step = _STEP * float(min(sizes[sizes > 0], default=0.0))
     low, high = problem.bounds()
-    ends = [place + step * direction, place - step * direction]
+    ends = [point + step * direction, point - step * direction]
     if step == 0 or not all(((low <= end) & (end <= high)).all() and problem.parameters.limits.allows(end) for end in ends):
         return None
     if any(problem.predicted(end) is None for end in ends):

@@ -121,12 +121,12 @@ class Looked:
 
     def derivatives(self) -> tuple[float, Array]:
         """The value, and its derivative along each direction; NaN where how a corner moves is not known."""
-        place = self._location()
-        e, rate, change, _ = self._valued(place.t + place.inward * self.T, place.piece)
-        if not place.inward:
+        location = self._location()
+        e, rate, change, _ = self._valued(location.t + location.inward * self.T, location.piece)
+        if not location.inward:
             return float(e[0]), change
-        late = self._late(place, e, rate, change) if self._within(place.t) else np.zeros(self.count)
-        return float(e[0] - rate[0] * place.inward * self.T), change + rate * late
+        late = self._late(location, e, rate, change) if self._within(location.t) else np.zeros(self.count)
+        return float(e[0] - rate[0] * location.inward * self.T), change + rate * late
 
     def _valued(self, t: float, piece: int) -> tuple[Array, Array, Array, Array]:
         """The expression, its rate, its change along each direction, and the change of the last event's instant, at an instant."""
@@ -145,7 +145,7 @@ class Looked:
         """The directions' parts in the numbers."""
         return {part_in(name): part for name, part in self.seeds.items()}
 
-    def _late(self, place: Place, e: Array, rate: Array, change: Array) -> Array:
+    def _late(self, location: Place, e: Array, rate: Array, change: Array) -> Array:
         """By how much later a corner comes along each direction, at the same part of the period."""
         system, graph = self.extreme.system, self.extreme.system.graph
         instants = [*system.instants, *(instant for instant, _ in system.impulses)]
@@ -154,11 +154,11 @@ class Looked:
         T, dT = self._whole.period
         for instant in instants:
             t = computed[instant.number]
-            if np.all(abs((place.t - t + 0.5 * self.T) % self.T - 0.5 * self.T) <= 2 * _BESIDE * self.T):
+            if np.all(abs((location.t - t + 0.5 * self.T) % self.T - 0.5 * self.T) <= 2 * _BESIDE * self.T):
                 return computed[along.of(instant).number] - dT / T * t
-        other = self._valued(place.t - place.inward * self.T, place.piece + (1 if place.inward < 0 else -1))
+        other = self._valued(location.t - location.inward * self.T, location.piece + (1 if location.inward < 0 else -1))
         if not instants:
-            return other[3] if place.inward < 0 else self._valued(place.t + place.inward * self.T, place.piece)[3]
+            return other[3] if location.inward < 0 else self._valued(location.t + location.inward * self.T, location.piece)[3]
         if abs(e[0] - other[0][0]) > 4 * _BESIDE * self.T * (abs(rate[0]) + abs(other[1][0])):
             return np.full(self.count, np.nan)  # it jumps there itself
         return -(change - other[2]) / (rate - other[1])
