@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.arguments import explains_arguments
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems, as_path
 from stickslip.basics.fields import masked_in
 
@@ -172,14 +173,21 @@ def sobol(count: int, seed: int = 0, dim: str = "case", **bounds: tuple[float, f
     >>> sorted(int(4 * a) for a in points.columns["amplitude"])
     [0, 1, 2, 3]
     """
+    return _random("sobol", lambda n, d: sobol_cube(n, d, seed), count, seed, dim, bounds)
+
+
+def sobol_cube(count: int, dimensions: int, seed: int) -> Array:
+    """The first points of a scrambled Sobol sequence in the unit cube: array (count, dimensions); also the starts of searches and samples.
+
+    Examples
+    --------
+    >>> sorted((4 * sobol_cube(4, 1, seed=1)[:, 0]).astype(int).tolist())  # one in each quarter
+    [0, 1, 2, 3]
+    """
     from scipy.stats import qmc
 
-    def unit(n: int, d: int) -> Any:
-        sampler = qmc.Sobol(d, scramble=True, rng=seed)
-        whole = 1 << max(math.ceil(math.log2(n)), 0)  # the sampler expects a power of 2; the first n points are used
-        return sampler.random(whole)[:n]
-
-    return _random("sobol", unit, count, seed, dim, bounds)
+    points: Array = qmc.Sobol(dimensions, rng=seed).random_base2(max(math.ceil(math.log2(count)), 0))  # the sampler wants a power of 2
+    return points[:count]
 
 
 @explains_arguments

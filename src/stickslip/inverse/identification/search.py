@@ -14,6 +14,7 @@ from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import Interrupted, look, looking, partial_result
 from stickslip.basics.one_thread import in_one_thread
+from stickslip.studies.designs import sobol_cube
 
 if TYPE_CHECKING:
     from stickslip.basics.progress import Reported
@@ -44,10 +45,8 @@ class Found:
 
 def multistart(numbers: int, starts: int, seed: int) -> Any:
     """Places of a multistart: the middle between all bounds, then those of a Sobol sequence."""
-    from scipy.stats import qmc
-
-    points = qmc.Sobol(numbers, rng=seed).random_base2(int(np.ceil(np.log2(max(starts, 2)))))
-    return np.concatenate([np.full((1, numbers), 0.5), points])
+    count = 1 << int(np.ceil(np.log2(max(starts, 2))))
+    return np.concatenate([np.full((1, numbers), 0.5), sobol_cube(count, numbers, seed)])
 
 
 def starting_points(of: Any, starts: int, seed: int) -> Any:

@@ -19,7 +19,8 @@ from stickslip.basics.progress import progress_callback
 from stickslip.basics.status import Status
 from stickslip.dynamics.stroboscopic.strobe_maps import spread_over
 from stickslip.inverse.optimisation.results import check_quantity, results_of, unit_of_result
-from stickslip.inverse.optimisation.uncertainty_samples import check_sample, checked_spread, sampled, sobol
+from stickslip.inverse.optimisation.uncertainty_samples import check_sample, checked_spread, sampled
+from stickslip.studies.designs import sobol_cube
 
 if TYPE_CHECKING:
     from stickslip.inverse.identification.fit import Fit
@@ -268,8 +269,8 @@ def _part(model: Model, of: str, spread: Any, u: Array, values: Array, there: Ar
 def _designed(count: int, samples: int, seed: int, indices: bool) -> Array:
     """Points of the unit cube: array (numbers, 1, samples); for indices (numbers, 2 + numbers, samples), two samples and mixtures."""
     if not indices:
-        return sobol(count, samples, seed)[:, None]
-    A, B = np.split(sobol(2 * count, samples, seed), 2)
+        return sobol_cube(samples, count, seed).T[:, None]
+    A, B = np.split(sobol_cube(samples, 2 * count, seed).T, 2)
     mixed = np.repeat(A[:, None], count, axis=1)
     mixed[np.arange(count), np.arange(count)] = B
     return np.concatenate([A[:, None], B[:, None], mixed], axis=1)

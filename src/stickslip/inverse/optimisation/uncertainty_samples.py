@@ -14,6 +14,7 @@ from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.basics.number_names import numbers_meant
 from stickslip.inverse.optimisation.perturbed_machines import is_allowed
 from stickslip.models.naming import in_its_unit
+from stickslip.studies.designs import sobol_cube
 
 _TYPED = '{"friction.mu_plus": ("uniform", 0.13, 0.17)} or {"friction.mu_plus": ("normal", 0.15, 0.01)}'
 
@@ -85,13 +86,6 @@ def checked_spread(model: Model, argument: str, given: Any, problems: Problems) 
     return Independent(tuple(uncertain)) if uncertain else None
 
 
-def sobol(dimensions: int, count: int, seed: int) -> Array:
-    """A scrambled Sobol sample of the unit cube: array (dimensions, a power of two)."""
-    from scipy.stats import qmc
-
-    return qmc.Sobol(dimensions, seed=np.random.default_rng(seed)).random_base2(round(np.log2(count))).T
-
-
 def sample_of(spread: Any, count: int, seed: int) -> dict[str, Array]:
     """A scrambled Sobol sample of a machine's numbers, by name: arrays (count,), a power of two.
 
@@ -101,7 +95,7 @@ def sample_of(spread: Any, count: int, seed: int) -> dict[str, Array]:
     >>> sorted((4 * found["track.tilt"]).astype(int).tolist())  # one in each quarter
     [0, 1, 2, 3]
     """
-    return spread.numbers(sobol(len(spread.names), count, seed))
+    return spread.numbers(sobol_cube(count, len(spread.names), seed).T)
 
 
 def check_sample(what: str, model: Any, sample: dict[str, Array]) -> None:
