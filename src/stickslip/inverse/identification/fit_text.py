@@ -9,6 +9,7 @@ import numpy as np
 from stickslip.basics.contracts import Array
 from stickslip.basics.fields import leaves
 from stickslip.basics.notebook_display import NOT_DETERMINED, rounded, sure
+from stickslip.basics.phrases import counted, listed
 from stickslip.basics.quantities import with_unit
 from stickslip.models.naming import description_of
 
@@ -95,11 +96,6 @@ def _determined(fit: Fit) -> list[str]:
     ]
 
 
-def listed(names: list[str]) -> str:
-    """Names as a sentence has them."""
-    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
-
-
 def _changes(fit: Fit, members: list[int], direction: Array) -> str:
     """By how much each parameter changes along a direction, the one that changes most by one per cent."""
     values = [fit.values[fit.names[k]] for k in members]
@@ -173,11 +169,6 @@ def cost_lines(fit: Fit) -> list[str]:
 def _matters(error: float, without: float) -> bool:
     """Whether a standard error becomes smaller by a twentieth or more."""
     return bool(without < 0.95 * error)
-
-
-def counted(number: int, what: str) -> str:
-    """A number of things."""
-    return f"{number} {what}{'' if number == 1 else 's'}"
 
 
 def report_text(fit: Fit) -> str:

@@ -15,12 +15,12 @@ from stickslip.basics.distributions import ALLOWED, distribution_of
 from stickslip.basics.errors import InputError, Problems, is_one_of
 from stickslip.basics.fields import checked_number
 from stickslip.basics.interruption import interruptible
+from stickslip.basics.phrases import counted
 from stickslip.basics.progress import reporting
 from stickslip.basics.quantities import between
 from stickslip.inverse.identification.covariance import noise_scale, spread_of
 from stickslip.inverse.identification.drive_harmonics import with_harmonics
 from stickslip.inverse.identification.fit import Fit
-from stickslip.inverse.identification.fit_text import counted
 from stickslip.inverse.identification.force_problem import DrivenProblem
 from stickslip.inverse.identification.least_squares import Sensed
 from stickslip.inverse.identification.logs_of_machines import bench_of, takes_records

@@ -12,6 +12,7 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems, SolveError, did_you_mean
 from stickslip.basics.fields import leaves
 from stickslip.basics.information import Information
+from stickslip.basics.phrases import listed
 from stickslip.inverse.identification.designing import (
     USES,
     Design,
@@ -23,7 +24,7 @@ from stickslip.inverse.identification.designing import (
     units_of_settings,
 )
 from stickslip.inverse.identification.drive_harmonics import harmonics_of
-from stickslip.inverse.identification.fit_text import OVER_MOTION, listed, unit_of_values
+from stickslip.inverse.identification.fit_text import OVER_MOTION, unit_of_values
 from stickslip.inverse.identification.force_problem import DrivenProblem
 from stickslip.inverse.identification.least_squares import Sensed
 from stickslip.inverse.identification.logs_of_machines import APPLIED, bench_of

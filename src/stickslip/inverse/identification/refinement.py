@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.phrases import listed
 from stickslip.inverse.identification.covariance import information_of, neighbours, noise_scale, noise_sizes, with_noise_of
-from stickslip.inverse.identification.fit_text import listed
 from stickslip.inverse.identification.least_squares import Sensed
 from stickslip.inverse.identification.search import Found, polished
 from stickslip.inverse.identification.weighting import robust_weights

@@ -10,8 +10,9 @@ import numpy as np
 
 from stickslip.basics.contracts import Array
 from stickslip.basics.information import Information
+from stickslip.basics.phrases import listed
 from stickslip.inverse.identification.covariance import effective, spread_of
-from stickslip.inverse.identification.fit_text import OVER_MOTION, listed, undetermined
+from stickslip.inverse.identification.fit_text import OVER_MOTION, undetermined
 from stickslip.inverse.identification.search import polished_to_end
 
 if TYPE_CHECKING:

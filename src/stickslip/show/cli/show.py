@@ -13,6 +13,7 @@ from typing import Any
 
 from stickslip.basics.errors import InputError, as_path
 from stickslip.basics.jsontext import strict
+from stickslip.basics.phrases import counted
 
 
 def quantity_text(value: float, unit: str = "", digits: int = 7) -> str:
@@ -26,17 +27,6 @@ def quantity_text(value: float, unit: str = "", digits: int = 7) -> str:
     if value is None or not math.isfinite(value):
         return "-"
     return f"{value:.{digits}g} {unit}".rstrip()
-
-
-def counted(number: int, thing: str) -> str:
-    """A count with its noun, in the singular or plural.
-
-    Examples
-    --------
-    >>> counted(1, "period"), counted(2, "period")
-    ('1 period', '2 periods')
-    """
-    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
 
 
 def no_period(periods: int) -> str:

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from stickslip.analysis.closed_form import coulomb_type
+from stickslip.basics.phrases import listed
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.show.paper.solved_runs import batch
-from stickslip.show.paper.words import listed
 
 __all__ = ["FOUR", "WordInterval", "all_four", "exact_types", "in_words", "kinds", "longest", "stretches"]
 

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.phrases import listed
 from stickslip.show.paper.cases import AMPLITUDE_5, CASES, rig
 from stickslip.show.paper.claims_page import ClaimData, PaperClaim, judged
 from stickslip.show.paper.followed_motions import stable_range
 from stickslip.show.paper.solved_runs import batch
-from stickslip.show.paper.words import listed
 from stickslip.show.reports.html import grouped
 
 __all__ = ["period_two", "quasi_periodic", "rk4_ladder"]

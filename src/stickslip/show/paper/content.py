@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
+from stickslip.basics.phrases import listed
 from stickslip.show.paper.amplitudes import ROUNDING, Interval
 from stickslip.show.paper.cases import AMPLITUDE_5, CASES, EXPERIMENTS
 from stickslip.show.paper.one_amplitude import STATEMENTS
 from stickslip.show.paper.parameter_map import FULL
 from stickslip.show.paper.sentences import filled, texts
-from stickslip.show.paper.words import listed, percent, plain
+from stickslip.show.paper.words import percent, plain
 
 __all__ = ["content", "side_by_side"]
 

@@ -7,7 +7,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from stickslip.show.paper.words import listed, millimetres, percent, plain, speed
+from stickslip.basics.phrases import listed
+from stickslip.show.paper.words import millimetres, percent, plain, speed
 from stickslip.show.reports.html import grouped
 
 __all__ = ["filled", "texts"]

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from typing import Any
 
-__all__ = ["digits_within", "listed", "millimetres", "percent", "plain", "power", "speed"]
+__all__ = ["digits_within", "millimetres", "percent", "plain", "power", "speed"]
 
 
 def speed(v: Any, digits: int = 4) -> str:
@@ -57,15 +56,3 @@ def digits_within(x: float, accuracy: float, most: int = 7) -> str:
 def power(exponent: int) -> str:
     """A power of ten with a raised exponent."""
     return "10" + str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-
-
-def listed(things: Iterable[Any], last: str = "and") -> str:
-    """A list as a sentence writes it.
-
-    Examples
-    --------
-    >>> listed(["I", "II", "IV"])
-    'I, II and IV'
-    """
-    texts = [str(t) for t in things]
-    return texts[0] if len(texts) == 1 else f"{', '.join(texts[:-1])} {last} {texts[-1]}" if texts else "none"
