@@ -186,13 +186,17 @@ def mat_that_hides(folder):
 
 
 def mat_of_bytes(folder):
-    """Six variables of 64 MB of one-byte numbers, each of which becomes one of eight bytes."""
-    n = 2**26
-    head = struct.pack("<IIIIIIii", 6, 8, 6, 0, 5, 8, 1, n) + struct.pack("<HH4s", 1, 1, b"v") + struct.pack("<II", 2, n)
-    machine = zlib.compressobj(9)
-    packed = machine.compress(struct.pack("<II", 14, len(head) + n) + head)
-    packed += b"".join(machine.compress(b"\1" * 2**20) for _ in range(n >> 20)) + machine.flush()
-    mat(folder, *[struct.pack("<II", 15, len(packed)) + packed] * 6)
+    """Six variables of 16 MB of one-byte numbers, each of which becomes one of eight bytes."""
+    n = 2**24
+
+    def variable(name):
+        head = struct.pack("<IIIIIIii", 6, 8, 6, 0, 5, 8, 1, n) + struct.pack("<HH4s", 1, 1, name) + struct.pack("<II", 2, n)
+        machine = zlib.compressobj(1)
+        packed = machine.compress(struct.pack("<II", 14, len(head) + n) + head)
+        packed += b"".join(machine.compress(b"\1" * 2**20) for _ in range(n >> 20)) + machine.flush()
+        return struct.pack("<II", 15, len(packed)) + packed
+
+    mat(folder, *map(variable, (b"u", b"v", b"w", b"x", b"y", b"z")))
 
 
 CELLS = "<row r='{0}'><c r='A{0}'><v>{0}</v></c><c r='B{0}'><v>1.5</v></c></row>"
@@ -398,3 +402,23 @@ def test_texts_in_a_heap_without_end_are_damage(tmp_path, size):
     data[free + 8 : free + 16] = struct.pack("<Q", size)
     (tmp_path / "a.h5").write_bytes(data)
     assert "damaged" in refused(tmp_path / "a.h5")
+
+
+# where SciPy trusts a file ------------------------------------------------------------------------------------------
+
+
+def test_a_matlab_file_that_crashes_its_library_is_damage(tmp_path):
+    """An element of a type that does not exist; the next file is read as if nothing had happened."""
+    head = struct.pack("<IIIIIIii", 6, 8, 6, 0, 5, 8, 1, 4) + struct.pack("<HH4s", 1, 1, b"v")
+    for kind, said in ((9, ""), (20, "damaged (the process that reads it crashes)"), (9, "")):
+        body = head + struct.pack("<II", kind, 32) + bytes(32)
+        mat(tmp_path, struct.pack("<II", 14, len(body)) + body)
+        if said:
+            assert said in refused(tmp_path / "a")
+        else:
+            assert ss.read(tmp_path / "a")["v"].values.tolist() == [0.0] * 4
+
+
+def test_a_matlab_file_that_unpacks_to_too_much_says_what_to_type(tmp_path):
+    mat_of_bytes(tmp_path)
+    assert "STICKSLIP_LARGEST" in refused(tmp_path / "a")

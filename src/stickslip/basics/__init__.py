@@ -7,6 +7,6 @@
 - `contracts`: what a law, a drive, a track and a machine are asked for; `maths`: the functions that laws are written with.
 - `variables`: names, symbols and units of all columns; `status`: how a case ended, as sentences.
 - `pool`, `progress`, `one_thread`: threads, progress bars, interruption.
-- `hdf5`, `unpacking`, `workbooks`, `jsontext`: foreign files, with limits.
+- `hdf5`, `unpacking`, `child_process`, `workbooks`, `jsontext`: foreign files, with limits; what may crash is done by a process of its own.
 - `notebook_display`, `presenting`: results in a notebook, and who draws them.
 """

@@ -16,12 +16,18 @@ from stickslip.basics.errors import InputError
 from stickslip.basics.unpacking import Allowance
 from stickslip.records.raw import Column, Raw
 
+_MISSING = '{what} files are read by {name}, which is not installed; type pip install "stickslip[io]"'
 _SCALE, _MOST_SCALES = re.compile(r"NI_Number_Of_Scales$|NI_Scale\[(\d+)\]"), 1000
 
 
 def library(name: str, what: str) -> Any:
     """The library that reads a format; an error that says what to type where it is not installed."""
-    return optional.library("read", name, f'{what} files are read by {name}, which is not installed; type pip install "stickslip[io]"')
+    return optional.library("read", name, _MISSING.format(what=what, name=name))
+
+
+def missing(name: str, what: str) -> InputError:
+    """The error of a format whose library is not installed."""
+    return InputError("read", [_MISSING.format(what=what, name=name)])
 
 
 @contextlib.contextmanager

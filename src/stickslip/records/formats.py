@@ -26,12 +26,18 @@ class Format:
     takes : tuple of str
         What that function takes after the bytes: ``allowance`` (how much may be unpacked of a file from anywhere), or what the user
         says: ``byte_order``, ``separator``, ``decimal``.
+    apart : bool
+        Whether it is read in a process of its own, since its library may crash on a damaged file or go on for ever (`records.apart`).
+    library : str
+        What it needs of ``pip install "stickslip[io]"``, if it is read apart.
     """
 
     names: tuple[str, ...]
     known_by: Callable[[bytes], bool]
     read_by: str
     takes: tuple[str, ...] = ("allowance",)
+    apart: bool = False
+    library: str = ""
 
     def reader(self) -> Callable[..., Any]:
         """The function that reads it."""
@@ -67,9 +73,9 @@ def _is_uff(data: bytes) -> bool:
 FORMATS = [
     Format(("HDF5",), _is_hdf5, "hierarchical.parse_hdf5"),
     Format(("netCDF",), lambda data: data[:4] in (b"CDF\x01", b"CDF\x02"), "hierarchical.parse_netcdf3"),
-    Format(("MATLAB",), _is_matlab, "matlab_files.parse"),
+    Format(("MATLAB",), _is_matlab, "matlab_files.parse", apart=True),
     Format(("TDMS",), lambda data: data[:4] == b"TDSm", "extras.parse_tdms"),
-    Format(("XLSX",), lambda data: data[:4] == b"PK\x03\x04", "spreadsheets.parse_xlsx"),
+    Format(("XLSX",), lambda data: data[:4] == b"PK\x03\x04", "spreadsheets.parse_xlsx", apart=True, library="openpyxl"),
     Format(("UFF58",), _is_uff, "uff.parse", ("byte_order",)),
     Format(("CSV", "TSV", "TXT", "JSON"), lambda data: True, "text.parse", ("separator", "decimal")),
 ]

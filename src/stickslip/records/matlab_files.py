@@ -2,29 +2,28 @@
 
 from __future__ import annotations
 
+import io
+import warnings
 from typing import Any
 
 import numpy as np
 
 from stickslip.basics.errors import InputError
 from stickslip.basics.unpacking import Allowance
-from stickslip.records.matlab_bytes import version4, version5
+from stickslip.records.extras import damage_reported
 from stickslip.records.raw import Column, Raw
 
 
 def parse(data: bytes, allowance: Allowance) -> Raw:
     """The vectors of a MATLAB file; single numbers and texts are kept as what else the file says."""
+    from scipy.io.matlab import loadmat
+
     raw = Raw("MATLAB", table=True)
-    old = data[126:128] not in (b"IM", b"MI") and data[:6] != b"MATLAB"
-    try:
-        variables = version4(data, allowance) if old else version5(data, raw.notes, allowance)
-    except InputError:
-        raise
-    except MemoryError:
-        raise _broken("it asks for more memory than there is") from None
-    except ValueError as error:
-        raise _broken(str(error)) from None
-    if not old:
+    with damage_reported("MATLAB"), warnings.catch_warnings():
+        warnings.simplefilter("error")  # SciPy warns of variables that it cannot read
+        loaded = loadmat(io.BytesIO(data))
+        variables = {name: _plain(value, allowance) for name, value in loaded.items() if not name.startswith("__")}
+    if data[126:128] in (b"IM", b"MI"):
         raw.info["header"] = data[:116].decode("latin-1").strip(" \0")
     units = variables.get("units")
     units = variables.pop("units") if isinstance(units, dict) else {}
@@ -34,8 +33,17 @@ def parse(data: bytes, allowance: Allowance) -> Raw:
     return raw
 
 
-def _broken(why: str) -> InputError:
-    return InputError("read", [f"the MATLAB file is damaged ({why}); save it again"])
+def _plain(value: Any, allowance: Allowance) -> Any:
+    """Numbers and texts as they are, a struct as a dict, and None for what is neither."""
+    value = np.asarray(value)
+    if value.dtype.kind == "U":
+        return " ".join(text.rstrip() for text in value.ravel().tolist())
+    if value.dtype.names is not None and value.size == 1:
+        return {name: _plain(field, allowance) for name, field in zip(value.dtype.names, value.item(), strict=True)}
+    if value.dtype.kind not in "biufc":
+        return None
+    allowance.take(value.size * (16 if value.dtype.kind == "c" else 8), "a variable")
+    return value
 
 
 def vectors(variables: dict[str, Any], units: dict[str, str], raw: Raw, prefix: str = "") -> None:

@@ -16,6 +16,7 @@ from stickslip.basics.arguments import Recorded, explains_arguments
 from stickslip.basics.errors import InputError, Problems, as_path, did_you_mean
 from stickslip.basics.units import quantity_of, unit_named, unit_of_heading
 from stickslip.basics.unpacking import Allowance
+from stickslip.records.apart import read_apart
 from stickslip.records.axes import by_own_times, counted, table_axes
 from stickslip.records.channel import MEASURED, ROLES, Channel
 from stickslip.records.formats import format_of
@@ -160,7 +161,7 @@ def _parsed(data: bytes, separator: str | None, decimal: str | None, byte_order:
         raise InputError("read", ["the file is empty"])
     given = {"allowance": Allowance("read", len(data)), "separator": separator, "decimal": decimal, "byte_order": byte_order}
     known = format_of(data)
-    return known.reader()(data, *(given[name] for name in known.takes))
+    return read_apart(known, data) if known.apart else known.reader()(data, *(given[name] for name in known.takes))
 
 
 # ---- what the user adds ----

@@ -92,7 +92,7 @@ def served():
         patch.setattr(uploads, "RECEIVING", 2.0)  # instead of two minutes
         made = Served()
         with contextlib.closing(made):
-            process_of(made.app.inner.state.uploads._reader).ask("velocity", "a.csv", RECORD, 120)  # it is ready
+            made.app.inner.state.uploads._reader.read("velocity", "a.csv", RECORD)  # it is ready
             yield made
 
 
@@ -176,7 +176,7 @@ def said(answer):
 
 
 def process_of(reader):
-    return reader._process
+    return reader._child._running
 
 
 def bomb(folder):
@@ -202,7 +202,7 @@ def test_a_file_that_unpacks_without_end_is_refused(reader, tmp_path):
 
 def test_a_file_that_ends_its_reader_is_said_and_the_next_one_is_read(reader):
     process = process_of(reader)
-    process.ask("velocity", "a.csv", RECORD, 60)
+    assert said(reader.read("velocity", "a.csv", RECORD)) == ""
     os.kill(process._process.pid, signal.SIGSEGV)
     process._process.wait(60)
     process.is_alive = lambda: True  # it ends while it reads
@@ -211,9 +211,10 @@ def test_a_file_that_ends_its_reader_is_said_and_the_next_one_is_read(reader):
 
 
 def test_a_file_that_takes_too_long_is_given_up_and_the_next_one_is_read(tmp_path):
-    reader = Reader(0.5)
+    reader = Reader(uploads.READING)
     process = process_of(reader)
-    process.ask("velocity", "a.csv", RECORD, 60)
+    assert said(reader.read("velocity", "a.csv", RECORD)) == ""
+    reader._seconds = 0.5
     os.kill(process._process.pid, signal.SIGSTOP)
     assert "not read in time" in said(reader.read("velocity", "a.csv", RECORD))
     reader._seconds = uploads.READING
