@@ -11,9 +11,11 @@ from pathlib import Path
 import pytest
 
 CACHE = "STICKSLIP_CACHE_DIR"
+NO_BYTECODE, BYTECODE = "PYTHONDONTWRITEBYTECODE", "PYTHONPYCACHEPREFIX"
 # Kernel texts are read by the engine, never imported.
 collect_ignore_glob = ["src/stickslip/engine/kernels/*"]
 _made_here = pytest.StashKey[str]()
+_bytecode = pytest.StashKey[str]()
 _began = pytest.StashKey[float]()
 
 
@@ -23,13 +25,17 @@ def pytest_configure(config):
     config.stash[_began] = time.time()
     if not os.environ.get(CACHE):
         config.stash[_made_here] = os.environ[CACHE] = tempfile.mkdtemp(prefix="stickslip-test-cache-")
+    if os.environ.pop(NO_BYTECODE, "") and BYTECODE not in os.environ:
+        # Else each process that a test starts would compile all modules anew, for four seconds.
+        config.stash[_bytecode] = os.environ[BYTECODE] = tempfile.mkdtemp(prefix="stickslip-test-bytecode-")
 
 
 def pytest_unconfigure(config):
-    folder = config.stash.get(_made_here, None)
-    if folder is not None:
-        os.environ.pop(CACHE, None)
-        shutil.rmtree(folder, ignore_errors=True)
+    for key, name in ((_made_here, CACHE), (_bytecode, BYTECODE)):
+        folder = config.stash.get(key, None)
+        if folder is not None:
+            os.environ.pop(name, None)
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 def pytest_terminal_summary(terminalreporter, config):
