@@ -14,14 +14,17 @@ import traceback
 from pathlib import Path
 
 from docutils import nodes
+from notebooks import has_code
 from page_scripts import Script, in_words, saved
 from sphinx.application import Sphinx
+from sphinx.environment import BuildEnvironment
 from sphinx.util import logging
 from sphinx.util.docutils import SphinxDirective
 
 _LOG = logging.getLogger(__name__)
 FOLDER = "drawn"  # in the folder of the doctrees, from where Sphinx copies what pages show
 BEFORE_IMAGES_ARE_COLLECTED = 400
+APART = 9  # about the number of stretches
 
 
 class Drawn(SphinxDirective):
@@ -37,6 +40,14 @@ class Drawn(SphinxDirective):
         block = nodes.literal_block(code, code, language="python", alt=self.arguments[0])
         self.set_source_info(block)
         return [block]
+
+
+def deal(app: Sphinx, env: BuildEnvironment, pages: list[str]) -> None:
+    """Spread the pages that run over the list, of which each process of Sphinx has a stretch: tutorials, all slow, are neighbours."""
+    run = [page for page in pages if (path := Path(env.doc2path(page))).suffix == ".md" and has_code(path.read_text(encoding="utf-8"))]
+    run = [page for first in range(APART) for page in run[first::APART]]
+    rest = [page for page in pages if page not in run]
+    pages[:] = [page for _, page in sorted(((k + 0.5) / len(part), page) for part in (run, rest) for k, page in enumerate(part))]
 
 
 def execute(app: Sphinx, doctree: nodes.document) -> None:
@@ -87,5 +98,6 @@ def add(block: nodes.literal_block, below: list[nodes.Node], pictures: list[node
 def setup(app: Sphinx) -> dict[str, bool]:
     """Register the directive, and the event at which a page has been read."""
     app.add_directive("drawn", Drawn)
+    app.connect("env-before-read-docs", deal)
     app.connect("doctree-read", execute, priority=BEFORE_IMAGES_ARE_COLLECTED)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
