@@ -42,31 +42,40 @@ class View:
     shape: tuple[Any, ...]
 
 
+@dataclass(frozen=True)
+class _Text:
+    """What a text declares: its functions, with the types of each, and its constants."""
+
+    functions: dict[str, ast.FunctionDef]
+    signatures: dict[str, Any]
+    constants: dict[str, Any]
+
+
 @lru_cache(1)
-def _parsed(text: str) -> ast.Module:
-    return ast.parse(text)
+def _declared(text: str) -> _Text:
+    """The parts of a text. A kernel's functions, which are compiled one after the other, share one."""
+    functions, signatures, constants = {}, {}, {"__builtins__": {"range": range, "object": object}}
+    for node in ast.parse(text).body:
+        if isinstance(node, ast.FunctionDef):
+            functions[node.name] = node
+            kind = node.decorator_list[0].args[0]  # type: ignore[attr-defined]
+            source = kind.value if isinstance(kind, ast.Constant) else ast.unparse(kind)
+            signatures[node.name] = eval(source, {"__builtins__": {}}, KINDS)
+        elif isinstance(node, ast.Assign):
+            exec(ast.unparse(node), constants)
+    return _Text(functions, signatures, constants)
 
 
 class _Program:
     """All functions of a text, which are written when something calls them.
 
-    `types` are Numba's types by the names that decorators have for them, `outside` the functions that something else writes, given the
-    builder and the arguments.
+    `outside` are the functions that something else writes, given the builder and the arguments.
     """
 
-    def __init__(self, module: Any, text: str, types: dict[str, Any], outside: dict[str, Any]) -> None:
-        self.module, self.outside = module, outside
-        self.texts, self.signatures = dict[str, ast.FunctionDef](), dict[str, Any]()
-        self.constants: dict[str, Any] = {"__builtins__": {"range": range, "object": object}}
+    def __init__(self, module: Any, text: str, outside: dict[str, Any]) -> None:
+        self.module, self.outside, declared = module, outside, _declared(text)
+        self.texts, self.signatures, self.constants = declared.functions, declared.signatures, declared.constants
         self.made, self.rows, self.waiting = dict[str, Any](), dict[str, Any](), list[str]()
-        for node in _parsed(text).body:
-            if isinstance(node, ast.FunctionDef):
-                self.texts[node.name] = node
-                kind = node.decorator_list[0].args[0]  # type: ignore[attr-defined]
-                source = kind.value if isinstance(kind, ast.Constant) else ast.unparse(kind)
-                self.signatures[node.name] = eval(source, {"__builtins__": {}}, types)
-            elif isinstance(node, ast.Assign):
-                exec(ast.unparse(node), self.constants)
 
     def function(self, name: str) -> Any:
         """A function of the text, by its name."""
@@ -500,11 +509,9 @@ def at_points(builder: Any, args: list[Any]) -> None:
     builder.store(slope, row(slopes_to), align=8)
 
 
-def write_functions(
-    context: Any, builder: Any, sig: Any, args: Any, name: str, text: str, types: dict[str, Any], outside: dict[str, Any]
-) -> Any:
+def write_functions(context: Any, builder: Any, sig: Any, args: Any, name: str, text: str, outside: dict[str, Any]) -> Any:
     """A call of one function of a text, with the arguments that Numba has; it and all that it needs are written."""
-    program, given = _Program(builder.module, text, types, outside), []
+    program, given = _Program(builder.module, text, outside), []
     for kind, arg in zip(sig.args, args, strict=True):
         if isinstance(kind, kinds.Array):
             array = context.make_array(kind)(context, builder, arg)

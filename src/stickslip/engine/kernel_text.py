@@ -44,7 +44,7 @@ from numba.extending import intrinsic
 
 from stickslip.engine.addresses import outside
 from stickslip.engine.emit import write
-from stickslip.engine.functions import KINDS, b2, f1, f2, f3, i1, i2, write_functions  # {compiler}
+from stickslip.engine.functions import b2, f1, f2, f3, i1, i2, write_functions  # {compiler}
 
 CALLED = {{"cache": CACHE, "error_model": "numpy", "nogil": True, "boundscheck": False}}
 BORROWING = {{"_nrt": False}}  # the caller owns all arrays, so that Numba need not count who holds them, in atomic steps, at each call
@@ -88,7 +88,7 @@ def _written(name: str, kind: str, outside: str) -> str:
 @intrinsic
 def written_{name}(typingctx, {takes}):
     def emit(context, builder, sig, args):
-        return write_functions(context, builder, sig, args, "{name}", TEXT, KINDS, {outside})
+        return write_functions(context, builder, sig, args, "{name}", TEXT, {outside})
     return {kind}, emit
 
 
