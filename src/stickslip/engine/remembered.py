@@ -9,6 +9,7 @@ from typing import Any, Generic, TypeVar
 from stickslip.basics.fields import is_frozen
 
 T = TypeVar("T")
+_NOTHING = object()  # in place of an answer that is not known
 
 
 class Remembered(Generic[T]):
@@ -40,10 +41,11 @@ class Remembered(Generic[T]):
     def __call__(self, key: Any, find: Callable[[], T]) -> T:
         """The answer for a key, found now if it is new; that of a key that cannot be compared, such as a list, is found each time."""
         try:
-            if key in self._known:
-                return self._known[key]
+            known: Any = self._known.get(key, _NOTHING)
         except TypeError:
             return find()
+        if known is not _NOTHING:
+            return known
         answer = find()
         for oldest in list(self._known)[: max(len(self._known) - self._most + 1, 0)]:
             self._known.pop(oldest, None)  # other threads may take it away as well

@@ -30,7 +30,7 @@ _BUDGET = 200_000  # steps
 _FIRST = 7  # where a step's polynomials begin, behind its times, its mode, and how many switches were before it
 _KEPT = 64  # flows whose equations are kept
 _SHARP = 1e13  # a disturbance that moves a switch by so much more than itself: what is only touched has no derivative
-_systems: Remembered[FlowSystem | str] = Remembered(_KEPT)
+_systems: Remembered[FlowEquations] = Remembered(_KEPT)
 _editions = Editions(_KEPT)
 _kernels: Remembered[tuple[lanes.Kernel, tuple[str, ...]]] = Remembered(_KEPT)
 
@@ -53,10 +53,18 @@ class FlowSolution:
     steps: int
 
 
+@dataclass(frozen=True, eq=False)
+class FlowEquations:
+    """A flow of so many states as its functions are now."""
+
+    system: FlowSystem | None
+    why: str  # the engine cannot follow it: what one of its functions does that only plain numbers can do; "" if it can
+    key: Any  # of what is cached about it
+
+
 def unknown(flow: SwitchingFlow, n: int) -> str:
     """Why the engine cannot follow a flow of n states: what one of its functions does that only plain numbers can do; "" if it can."""
-    system, _ = _system(flow, n)
-    return system if isinstance(system, str) else ""
+    return traced_flow(flow, n).why
 
 
 def _parts(flow: SwitchingFlow, n: int) -> Any:
@@ -78,32 +86,32 @@ def check_flow(flow: SwitchingFlow, n: int) -> Any:
     return (*key, _editions.of(key))
 
 
-def _system(flow: SwitchingFlow, n: int) -> tuple[FlowSystem | str, Any]:
-    """The equations of a flow, or why there are none, and the key of what is cached about it."""
+def traced_flow(flow: SwitchingFlow, n: int) -> FlowEquations:
+    """The equations of a flow, or why there are none, after its functions were asked whether they have changed."""
 
-    def traced() -> FlowSystem | str:
+    def traced() -> FlowEquations:
         try:
             system = flow_system(flow, n)
         except Exception as error:  # whatever a user's function raises when it is given symbols: on plain numbers it may be right
-            return str(error) or type(error).__name__
+            return FlowEquations(None, str(error) or type(error).__name__, key)
         check_flow_as_written(flow, n)
-        return system
+        return FlowEquations(system, "", key)
 
     key = check_flow(flow, n)
-    return _systems(key, traced), key
+    return _systems(key, traced)
 
 
-def _kernel(flow: SwitchingFlow, n: int, record: bool) -> tuple[FlowSystem, lanes.Kernel, tuple[str, ...]]:
+def _kernel(traced: FlowEquations, record: bool) -> tuple[FlowSystem, lanes.Kernel, tuple[str, ...]]:
     """The equations, the kernel and the names of its columns; of one run with the change of its state along a direction."""
-    equations, key = _system(flow, n)
-    if isinstance(equations, str):
-        raise SolveError(equations)
+    equations = traced.system
+    if equations is None:
+        raise SolveError(traced.why)
 
     def compiled() -> tuple[lanes.Kernel, tuple[str, ...]]:
         system = tangent(equations.system, ()) if record else equations.system
         return lanes.ordered(lanes.kernel(system, None, "SwitchingFlow", record), 1), system.names
 
-    return equations, *_kernels((key, record), compiled)
+    return equations, *_kernels((traced.key, record), compiled)
 
 
 def _row(
@@ -113,8 +121,11 @@ def _row(
     cases, size = len(y), np.max(abs(y), axis=1, initial=0.0)
     size = np.where(size > 0.0, size, 1.0)
     known: dict[str, Any] = {**equations.constants, **flow.numbers, BEGIN: begin, MOST: MOST_SWITCHES if most is None else most, SPAN: span}
-    known |= {f"{SIZE}{i}": np.maximum(abs(y[:, i]), 1e-3 * size) for i in range(y.shape[1])}
-    return np.stack([np.broadcast_to(np.asarray(known[name], float), (cases,)) for name in names], axis=1)
+    known |= {f"{SIZE}{i}": column for i, column in enumerate(np.maximum(abs(y), 1e-3 * size[:, None]).T)}
+    rows = np.empty((cases, len(names)))
+    for column, name in enumerate(names):
+        rows[:, column] = known[name]
+    return rows
 
 
 def follow_flow(
@@ -126,6 +137,7 @@ def follow_flow(
     most: int | None = None,
     growth: bool = True,
     partial: bool = False,
+    traced: FlowEquations | None = None,
 ) -> FlowSolution:
     """Follow a flow from one start.
 
@@ -145,6 +157,8 @@ def follow_flow(
         Whether the derivative of the end by the start is asked for.
     partial : bool
         Whether an interruption ends it with the steps until then (without growth).
+    traced : FlowEquations, optional
+        Its equations, where its functions have been asked already whether they have changed.
 
     Raises
     ------
@@ -152,7 +166,7 @@ def follow_flow(
         Where it cannot be followed, and why.
     """
     n, labels = len(y), list(flow.fields)
-    equations, kernel, names = _kernel(flow, n, record=True)
+    equations, kernel, names = _kernel(traced or traced_flow(flow, n), record=True)
     row = _row(flow, equations, names, y[None, :], duration, begin, most)
     results = []
     for direction in np.eye(n) if growth else np.zeros((1, n)):
@@ -245,7 +259,7 @@ def ends(flow: SwitchingFlow, states: Array, modes: Array, duration: Numeric, be
         How long each is followed.
     """
     n = states.shape[1]
-    equations, kernel, names = _kernel(flow, n, record=False)
+    equations, kernel, names = _kernel(traced_flow(flow, n), record=False)
     rows = _row(flow, equations, names, states, duration, begin, None)
     start = np.column_stack([np.zeros(len(states)), states, 1.0 + modes])
     result = lanes.run(kernel, np.ascontiguousarray(rows), start, lanes.Job(1, 0, False, 1e-9, 0.75, _BUDGET))

@@ -19,7 +19,7 @@ from stickslip.engine.texts import recurrence
 from stickslip.models.switching_flow import knows_mode, unknown_mode
 from stickslip.results.flow_run import FlowRun, extremes, polynomials
 from stickslip.results.summary import Summary
-from stickslip.solvers.flow_engine import follow_flow, unknown
+from stickslip.solvers.flow_engine import FlowEquations, follow_flow, traced_flow
 from stickslip.solvers.request import check_duration, check_keep, check_rtol, versions
 from stickslip.solvers.stopped import FAILURES
 
@@ -51,6 +51,7 @@ class Asked:
     settle: int
     samples: int
     keep: str
+    equations: FlowEquations
 
 
 def solve(
@@ -108,15 +109,16 @@ def asked_of(
     states = starts_of(flow, start, labels, problems)
     spans, settled, periods, left = _spans(flow, labels, periods, settle, duration, problems)
     problems.check()
-    if why := unknown(flow, states.shape[1]):
-        raise InputError("solve", [untraced(why)])
-    check_start(flow, states, mode)
+    equations = traced_flow(flow, states.shape[1])
+    if equations.why:
+        raise InputError("solve", [untraced(equations.why)])
+    check_start(flow, states, mode, one=not labels.shape)
     keep = keep or ("summary" if labels.shape else "trajectory")
-    return Asked(flow, labels, states, mode, spans, settled, periods, left, int(samples), keep)
+    return Asked(flow, labels, states, mode, spans, settled, periods, left, int(samples), keep, equations)
 
 
-def check_start(flow: SwitchingFlow, states: Array, mode: Any) -> None:
-    """`InputError` for a start beyond a guard of its mode whose switch would change the state at t = 0.
+def check_start(flow: SwitchingFlow, states: Array, mode: Any, one: bool = False) -> None:
+    """`InputError` for a start beyond a guard of its mode whose switch would change the state at t = 0; `one` of a flow of single numbers.
 
     Examples
     --------
@@ -125,7 +127,7 @@ def check_start(flow: SwitchingFlow, states: Array, mode: Any) -> None:
     >>> ball = ss.SwitchingFlow({"air": lambda t, y: (y[1], -9.81)}, {"air": (hit,)})
     >>> check_start(ball, np.array([[1.0, 0.0]]), "air")
     """
-    for case, y in zip(cases_of(flow), states, strict=True):
+    for case, y in zip([flow] if one else cases_of(flow), states, strict=True):
         plain = case.plain
         beyond = _beyond(plain, mode, y)
         if beyond is None:
@@ -222,7 +224,7 @@ def _named_starts(flow: Any, start: Any, labels: Labels, problems: Problems) -> 
 
 def _run(asked: Asked, start: Any) -> FlowRun:
     flow, y = asked.flow, asked.states[0]
-    done = follow_flow(flow, y, asked.mode, float(asked.spans[0]), growth=False, partial=is_outermost())
+    done = follow_flow(flow, y, asked.mode, float(asked.spans[0]), growth=False, partial=is_outermost(), traced=asked.equations)
     status = Status.FINISHED.sentence
     if is_stopped() and done.time < float(asked.spans[0]):
         status = interrupted_at(done.time)
