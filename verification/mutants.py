@@ -36,9 +36,9 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from mutating import FORMULAS, ROOT, SOURCE, Mutant, every, mutated
 
-TESTS = ("formulas", "laws", "drives", "recorded", "mechanisms", "tracks", "plain", "cantilever", "piezo_beam")
+TESTS = ("formulas", "laws", "rate_state", "drives", "recorded", "mechanisms", "tracks", "plain", "cantilever", "piezo_beam")
 NEAR = {
-    "friction": ("formulas", "laws"),
+    "friction": ("formulas", "laws", "rate_state"),
     "drives": ("formulas", "recorded", "drives", "cantilever", "piezo_beam"),
     "machines": ("mechanisms",),
 }

@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from stickslip.basics import interruption
+from stickslip.inverse.identification import sampling
 
 INERTIA, GRAVITY, RATIO, CONSTANT, GAIN = 0.012, 0.3, 10.0, 0.06, 0.8
 LAW = {"mu_plus": 0.03, "mu_minus": 0.036, "viscous": 0.01}
@@ -219,6 +221,26 @@ def test_samples_of_a_linear_fit_have_its_mean_and_covariance(certain):
         assert sd == pytest.approx(error, rel=4 / np.sqrt(2 * independent) + 0.05)
     assert {"sensor offset"} < set(found.data_vars) and found["viscous"].attrs["units"] == "N s/m"
     assert bool((certain.sample(20, burn=10, seed=5)["mu_plus"] == certain.sample(20, burn=10, seed=5)["mu_plus"]).all())
+
+
+def test_an_interrupted_chain_prints_nothing_and_is_the_beginning_of_the_whole_one(certain, monkeypatch, capfd):
+    """Ctrl-C that is answered within the posterior was printed by emcee, with the places of all walkers."""
+    pytest.importorskip("emcee")
+    inside, calls = sampling._Posterior._inside, iter(range(1000))
+
+    def interrupted(posterior, places):
+        if next(calls) == 70:
+            interruption.stop_call(interruption.CTRL_C)
+            interruption.look()
+        return inside(posterior, places)
+
+    monkeypatch.setattr(sampling._Posterior, "_inside", interrupted)
+    part = certain.sample(40, burn=10, seed=5)
+    said = capfd.readouterr()
+    assert "emcee: Exception" not in said.out + said.err and "Traceback" not in said.err
+    assert part.attrs["note"].startswith("interrupted: ") and 10 <= part.sizes["draw"] < 40
+    whole = certain.sample(40, burn=10, seed=5)
+    assert bool((part["mu_plus"] == whole["mu_plus"][: part.sizes["draw"]]).all())
 
 
 def test_bands_hold_the_curve_and_as_many_measurements_as_they_say(certain):

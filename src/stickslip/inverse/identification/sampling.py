@@ -76,6 +76,7 @@ def sample(
     target = _Posterior(fit, low, high)
     rng = np.random.default_rng(seed)
     sampler = emcee.EnsembleSampler(count, size, target, vectorize=True)
+    sampler.log_prob_fn = target  # not in emcee's wrapper, which prints an interruption with all places of the walkers
     sampler._random.seed(int(rng.integers(2**31)))  # the stretch moves draw from it: one seed, one chain
     report, steps = reporting(progress, "sample"), sampler.sample(_walkers(fit, count, low, high, rng), iterations=ahead + draws)
     done = 0
