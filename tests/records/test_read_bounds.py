@@ -219,6 +219,11 @@ def test_json_that_is_read_in_pieces_is_that_which_is_read_as_a_whole(seed, monk
     assert repr(read_of(data)) == repr(whole)
 
 
+def test_an_object_of_too_many_columns_says_so_and_not_that_it_is_damaged():
+    said = read_of(("{" + ",".join(f'"a{i}": 1' for i in range(BIG // 4)) + "}").encode())
+    assert "the JSON has 4097 columns; allowed are 4096" in said and "damaged" not in said
+
+
 def test_rows_of_json_lines_keep_the_heading_of_their_first():
     lines = ['["t [s]", "v"]', *(f"[{i}, {i % 7}.5]" for i in range(9000))]
     assert read_bytes("\n".join(lines).encode(), "log.jsonl")["v"].values.tolist() == [i % 7 + 0.5 for i in range(9000)]

@@ -82,6 +82,8 @@ def _loaded(text: str) -> Any:
         return in_pieces(text)
     except RecursionError:
         raise InputError("read", ["the JSON is nested too deeply; write one table"]) from None
+    except InputError:
+        raise
     except ValueError as error:
         try:
             return of_lines(Lines.of_text(text)) or _broken(error)

@@ -243,6 +243,15 @@ def test_the_report_and_the_numbers_have_the_verdicts(result, html):
     assert set(data["around"]) >= {"mu0", "amplitude", "period", "exponent", "error", "shares", "flips", "flip_curves"}
 
 
+def test_only_motions_that_have_settled_have_a_velocity_to_compare():
+    """Between two multiples of the free velocity the body is chaotic at mu0 = 0.05, and has just begun in six drive periods."""
+    from stickslip.show.paper.solved_runs import batch, steady_velocity
+
+    rough = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[4e-4, 6e-4], mu0=0.05)
+    assert np.isfinite(steady_velocity(batch(rough, periods=200))).tolist() == [False, True]
+    assert np.isnan(steady_velocity(batch(rough, periods=6, settle=3))).all()
+
+
 def test_words_of_motions_that_are_not_periodic():
     from stickslip.show.paper.section5_motions import FigureMotion
 

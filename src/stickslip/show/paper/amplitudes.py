@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.show.paper.cases import EXPERIMENTS, PrintedExperiment
 from stickslip.show.paper.one_amplitude import AmplitudeSearch, amplitude_search
 from stickslip.show.paper.readings import READINGS, STATED, Reading
-from stickslip.show.paper.solved_runs import Tell, batch
+from stickslip.show.paper.solved_runs import Tell, batch, steady_velocity
 
 __all__ = ["ROUNDING", "AmplitudeBracket", "Amplitudes", "Interval", "ReadingFit", "infer", "overlap"]
 
@@ -28,7 +28,7 @@ class AmplitudeBracket:
     ----------
     experiment : PrintedExperiment
     coulomb, lugre : tuple or None
-        First and last amplitude [m] at which our mean velocity rounds to the printed one, with either law.
+        First and last amplitude [m] at which our mean velocity, of a motion that has settled, rounds to the printed one, with either law.
     type : tuple or None
         Amplitudes [m] at which the exact Coulomb motion is of the printed type.
     joint : tuple or None
@@ -116,19 +116,20 @@ def infer(fast: bool, tell: Tell) -> Amplitudes:
 
 def _bracket(e: PrintedExperiment, reading: Reading, step: float) -> AmplitudeBracket:
     coarse = np.arange(3e-4, 1.8e-3, 2e-5)
-    rough = batch(reading.coulomb(e, amplitude=coarse), settle="auto").mean_velocity
+    rough = steady_velocity(batch(reading.coulomb(e, amplitude=coarse), settle="auto"))
     near = coarse[abs(rough - e.coulomb) < 0.25 * e.coulomb]
     A = np.arange(round(near[0] / step), round(near[-1] / step) + 1) / round(
         1 / step
     )  # the decimal numbers themselves: 0.000559, not 0.0005589999…
     exact = batch(reading.coulomb(e, amplitude=A), settle="auto")
-    there = abs(exact.mean_velocity / e.coulomb - 1) < 0.12  # LuGre's velocities are sought where the exact ones are near the printed one
+    coulomb = steady_velocity(exact)
+    there = abs(coulomb / e.coulomb - 1) < 0.12  # LuGre's velocities are sought where the exact ones are near the printed one
     lugre = np.full(len(A), np.nan)
-    lugre[there] = batch(reading.lugre(e, amplitude=A[there]), periods=100, settle=80).mean_velocity
-    by_coulomb, by_lugre = abs(exact.mean_velocity - e.coulomb) <= ROUNDING, abs(lugre - e.lugre) <= ROUNDING
-    by_type = exact.motion_type == e.type
+    lugre[there] = steady_velocity(batch(reading.lugre(e, amplitude=A[there]), periods=100, settle=80))
+    by_coulomb, by_lugre = abs(coulomb - e.coulomb) <= ROUNDING, abs(lugre - e.lugre) <= ROUNDING
+    by_type = (exact.motion_type == e.type) & np.isfinite(coulomb)
     best = int(np.argmax(by_coulomb.astype(int) + by_lugre + by_type))
-    scan = {"amplitude": A, "coulomb": exact.mean_velocity, "lugre": lugre}
+    scan = {"amplitude": A, "coulomb": coulomb, "lugre": lugre}
     one, two, three, joint = (_interval(A, good) for good in (by_coulomb, by_lugre, by_type, by_coulomb & by_lugre & by_type))
     return AmplitudeBracket(e, one, two, three, joint, int(by_coulomb[best]) + int(by_lugre[best]), int(by_type[best]), step, scan)
 

@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.results.steadiness import STEADY
 from stickslip.show.paper.cases import CASES, EXPERIMENTS, rig
 
-__all__ = ["Runs", "Tell", "batch", "scaled_velocity", "solve_all"]
+__all__ = ["Runs", "Tell", "batch", "scaled_velocity", "solve_all", "steady_velocity"]
 
 #: Called with (current task, amount done, total amount).
 Tell = Callable[[str, int, int], None]
@@ -66,6 +67,11 @@ def batch(robot: Any, **arguments: Any) -> Any:
     from stickslip.solvers import solve
 
     return solve(robot, **{"keep": "summary", "workers": min(os.cpu_count() or 1, 8), **arguments})
+
+
+def steady_velocity(many: Any) -> Any:
+    """Mean velocities of a batch; NaN where a motion has not settled, or does not repeat."""
+    return np.where(many.columns["steadiness"] == STEADY, many.mean_velocity, np.nan)
 
 
 def scaled_velocity(robot: Any) -> Any:
