@@ -1,6 +1,8 @@
 """Rows of many bodies: clusters that step by themselves, events that cost their neighbours, and texts that do not grow."""
 
 from dataclasses import dataclass
+from pathlib import Path
+from runpy import run_path
 from typing import Any
 
 import numpy as np
@@ -159,6 +161,14 @@ def test_a_batch_of_rows_has_the_numbers_of_single_runs():
         assert batch.mean_velocity[k] == ss.mean_velocity(ss.solve(row(20, speed=float(speed)), duration=2.0))
 
 
+@pytest.mark.slow
+def test_rows_of_sixteen_contacts_go_in_lanes():
+    speeds = np.array([0.01, 0.02, 0.05])
+    batch = ss.solve(row(WRITTEN_OUT, speed=speeds), duration=5.0)
+    one = ss.solve(row(WRITTEN_OUT, speed=0.02), duration=5.0)
+    assert_allclose(batch.mean_velocity[1], ss.mean_velocity(one), rtol=1e-12)
+
+
 def test_conditions_on_the_state_are_no_tables():
     from stickslip.maths import where
 
@@ -180,3 +190,25 @@ def test_a_run_that_would_fill_the_memory_says_where_it_stopped(monkeypatch):
 def test_a_run_that_is_interrupted_keeps_what_is_done():
     run = ss.solve(row(20, speed=0.5), duration=2000.0, progress=lambda done, of: False)
     assert run.interrupted and 0.0 < run.pieces.t[-1] < 2000.0
+
+
+def test_small_events_of_a_fault_are_distributed_as_carlson_and_langer_have_seen():
+    """The exponent is near 1, and large events are more frequent than it says."""
+    example = run_path(str(Path(__file__).parents[2] / "examples" / "burridge_knopoff.py"))
+    fault = example["Fault"](300, 36.0, 0.01, example["Weakening"](2.5, 0.01))
+    run = ss.solve(fault, duration=700.0, start={"v": dict.fromkeys((f"b{i}" for i in range(300)), -0.01)})
+    slips = example["slips"](run)
+    of = example["quakes"](slips, 300)
+    M = example["moments"](run, slips, of, 0.01)[slips[np.unique(of), 1] > 200.0]
+    b, error = example["fitted"](M, example["LEAST"], example["MOST"])
+    assert abs(b - 1.0) < 0.2 + 3 * error
+    small, large = np.sum((M >= 0.01) & (M < 0.1)), np.sum(M >= 10.0)
+    assert large > 10 * small * 1000.0**-b
+
+
+def test_a_fit_finds_the_exponent_that_was_drawn():
+    example = run_path(str(Path(__file__).parents[2] / "examples" / "burridge_knopoff.py"))
+    b, u = 0.8, np.random.default_rng(1).uniform(size=20_000)
+    M = (1.0 - u * (1.0 - 100.0**-b)) ** (-1.0 / b)  # between 1 and 100
+    found, error = example["fitted"](M, 1.0, 100.0)
+    assert abs(found - b) < 4 * error < 0.1

@@ -2,7 +2,8 @@
 
 A *set-valued* law (`sliding` and `breakaway`) is a machine of three modes: stuck, forward and backward slip. In each the motion
 is analytic. Where the traced accelerations are one sine of the period and a constant for each mode, the arcs are closed
-formulas; all else goes by Taylor steps, whose events are zeros of polynomials, exact to rounding. A *dynamic* law (`rate` and
+formulas; all else goes by Taylor steps, whose events are zeros of polynomials, exact to rounding; of
+rows of many bodies what moves together steps by itself. A *dynamic* law (`rate` and
 `force`) is stiff: Taylor series on the slow manifold where its rate is affine in the state, else Rosenbrock steps that end on
 guards. A law *with discrete memory* (`modes`, `switches`) is the same with flags that guards switch.
 
