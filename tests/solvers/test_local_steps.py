@@ -14,7 +14,7 @@ from pairs import each_once
 from plain_rows import PlainRow
 from stickslip.engine import local_events
 from stickslip.engine.force_tables import traced
-from stickslip.maths import exp, sin
+from stickslip.maths import cos, exp, sin
 from stickslip.models.machine_adapter import machine_of
 from stickslip.results.dense_output import pieces_from_arrays
 from stickslip.solvers import local_steps
@@ -76,7 +76,7 @@ LAWS = [
     ss.Stribeck(0.3, 0.3, f_plus=0.5, f_minus=0.4, v_s=0.1, exponent=1.0),
 ]
 SPRINGS = [ss.Spring, lambda k: ss.Spring(k, damping=0.2, length=0.05), lambda k: ss.Spring(k, cubic=50.0)]
-PUSHES = [0.0, lambda t, x, v: 0.4 * sin(1.3 * t) - 0.2 * x, lambda t, x, v: 0.3 * exp(-x * x) - 0.05 * v]
+PUSHES = [0.0, lambda t, x, v: 0.4 * sin(1.3 * t) - 0.2 * x, lambda t, x, v: 0.3 * cos(2.0 * x) / (1.0 + x * x) - 0.05 * v]
 
 
 @pytest.mark.parametrize("law, spring, push", each_once(LAWS, SPRINGS, PUSHES))
@@ -173,6 +173,11 @@ def test_conditions_on_the_state_are_no_tables():
     from stickslip.maths import where
 
     machine = row(20, push=lambda t, x, v: where(x > 0.05, -x, 0.0))
+    assert method_for("auto", machine).title != "local Taylor steps"
+
+
+def test_a_pulse_that_no_coefficient_foresees_is_no_table():
+    machine = row(20, push=lambda t, x, v: exp(-100.0 * (t - 5.0) ** 2))
     assert method_for("auto", machine).title != "local Taylor steps"
 
 

@@ -30,6 +30,11 @@ class Force:
     numbers: tuple[float, ...]  # of the part that was traced
 
     @property
+    def operations(self) -> set[str]:
+        """The operations of which it is made."""
+        return {node.op for node in needed_by([self.root])}
+
+    @property
     def is_linear(self) -> bool:
         """Whether it is linear in its variables, so that its series holds at any distance."""
         return all(node.op in _LINEAR or (node.op == "multiply" and min(a.level for a in node.args) < STATE) for node in _nodes(self.root))

@@ -19,6 +19,8 @@ from stickslip.engine.symbols import TraceError
 ORDER = 16
 #: Different texts of forces that a row may have: beyond, its parts are no tables.
 MOST_TEXTS = 24
+#: Functions that may be next to nothing over a step, with all their coefficients, and rise within it.
+_HIDING = {"exp", "tanh", "bell", "sinh", "cosh"}
 _ROOM, _EVENTS = 40_000, 20_000  # pieces and events that a call may write
 _STEPS = 2_000  # steps of a call: so often is the keyboard looked at
 (MODE, AHEAD, AT_AHEAD, BACK, AT_BACK, APPLIED, AT_APPLIED, FIRST, COUNT, LEADER) = range(10)
@@ -84,6 +86,10 @@ def row_of(mechanics: Any) -> Row:
         key = (table.name, id(owner), *key)
         if key not in known:
             made = force()
+            if table is not tables[1] and made.operations & _HIDING:
+                raise TraceError(
+                    f"{', '.join(sorted(made.operations & _HIDING))} in a force of a body or a link, which may rise out of nothing"
+                )
             kept.append(owner)
             known[key] = table.kind(made), len(numbers)
             numbers.extend(made.numbers)

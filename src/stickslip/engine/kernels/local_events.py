@@ -35,6 +35,7 @@ MISFIT = 2e-14  # of the typical velocity: what a misfit may add to a velocity i
 ROUGH_SLOPE = 3e-14  # of the terms of a slope: a misfit below it is rounding
 NEWTON = 60
 MOST_AT_ONCE = 20
+CHECKS = 5  # instants of a step at which the polynomials are compared with the equations
 
 
 @njit(float64(f1, int64, int64, int64))
@@ -448,8 +449,8 @@ def begin_step(first, end, now, S, K, X, LINK, ADJ, NUM, WL, WC, WA, G, TREE, JO
         tries = 0
         while tries < 100:
             dt, good = part * h, True
-            for j in range(1, 4):
-                good = good and fits(first, end, now, dt * j / 3.0, S, K, X, LINK, ADJ, NUM, JOB, Q, N)
+            for j in range(1, CHECKS + 1):
+                good = good and fits(first, end, now, dt * j / CHECKS, S, K, X, LINK, ADJ, NUM, JOB, Q, N)
             if good:
                 break
             part, what = 0.5 * part, -1
