@@ -368,6 +368,11 @@ def test_fits_with_different_noise_cannot_be_ranked():
     assert not ss.rank({"a": a, "the same": a}).decided
 
 
+def test_a_number_for_a_law_alone_says_what_to_give():
+    with pytest.raises(InputError, match=r"records\[0\] = 0.01 is a number, .* give the robot"):
+        ss.identify(0.01, ss.Coulomb, free={"mu_plus": (0.1, 0.5)}, mu_minus=0.2, load=1.0)
+
+
 def test_design_expects_the_errors_that_a_fit_then_has(fit):
     asked = {"experiments": [{"amplitude": A} for A in TWO], "noise": 1e-3, "samples": 2000, "together": 2, "tilt_deg": 1.7}
     plan = ss.design(rig, free=TRUTH, harmonics=0, **asked)

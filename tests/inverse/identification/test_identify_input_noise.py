@@ -104,6 +104,39 @@ def test_a_joint_with_an_encoder_of_few_counts_is_fitted_from_all_its_samples():
     assert fit.count > 800 and all(abs(fit.values[n] - w) < 4 * fit.errors[n] and fit.errors[n] < 0.3 * w for n, w in truth.items())
 
 
+def few_counts(counts, samples, seed=0):
+    """A log of a joint by an encoder of so many counts a turn, every 4 ms; and its truth."""
+    t, rng = np.arange(samples) * 0.004, np.random.default_rng(seed)
+    q = 1.1 * np.sin(2 * t + 0.3) + 0.35 * np.sin(5.3 * t + 1)
+    v, a = 2.2 * np.cos(2 * t + 0.3) + 1.855 * np.cos(5.3 * t + 1), -4.4 * np.sin(2 * t + 0.3) - 9.8315 * np.sin(5.3 * t + 1)
+    torque = 0.012 * a + 0.3 * np.sin(q) + 0.03 * np.sign(v) + 0.01 * v + rng.normal(0, 2e-3, samples)
+    return ss.Record.of(t, {"angle [rad]": 2 * np.pi / counts * np.round(q / (2 * np.pi / counts)), "torque [N m]": torque})
+
+
+def by_few_counts(rec):
+    joint = ss.Joint(inertia=0.02, friction=ss.CoulombViscous(0.05, 0.05, viscous=0.02), torque=0.0, gravity_torque=0.2)
+    free = {"inertia": (1e-3, 0.1), "gravity_torque": (0.05, 1.0), "friction.mu_plus": (0.0, 0.2), "friction.viscous": (0.0, 0.1)}
+    return ss.identify(rec, joint, free=free, tied={"friction.mu_minus": "friction.mu_plus"}, starts=4)
+
+
+@pytest.mark.parametrize("counts", [64, 32])
+def test_a_short_log_by_an_encoder_of_few_counts_is_fitted_over_shorter_windows(counts):
+    """1170 samples were refused as 15 and 9 values between reversals."""
+    fit = by_few_counts(few_counts(counts, 1170))
+    truth = {"inertia": 0.012, "gravity_torque": 0.3, "friction.mu_plus": 0.03, "friction.viscous": 0.01}
+    assert fit.count >= 60 and all(abs(fit.values[n] - w) < 4 * fit.errors[n] for n, w in truth.items())
+    assert fit.errors["inertia"] < 0.1 * 0.012 and fit.errors["gravity_torque"] < 0.1 * 0.3
+
+
+@pytest.mark.parametrize(("counts", "samples"), [(12, 200), (64, 50)])
+def test_a_log_with_too_few_edges_says_what_would_do(counts, samples):
+    """Between them the joint was taken to rest: its friction came out five times too large, with a narrow interval."""
+    with pytest.raises(ss.InputError, match=r"angle changes \d+ times in \d+ samples.* a longer record, longer strokes or a finer encoder"):
+        by_few_counts(few_counts(counts, samples))
+    with pytest.raises(ss.InputError, match="angle does not change in 120 samples; allowed is a motion"):
+        by_few_counts(few_counts(8, 120))
+
+
 # a law that the record contradicts --------------------------------------------------------------------------------
 
 

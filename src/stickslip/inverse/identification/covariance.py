@@ -78,7 +78,8 @@ def noise_sizes(problem: Any, minimum: Any) -> Any:
 def with_noise_of(problem: Any, minimum: Any) -> Any:
     """The problem with the noise that the residuals have, of each record and of all; the same one where it has that already."""
     sizes, scale = noise_sizes(problem, minimum), noise_scale(problem, minimum)
-    trust = scale if problem.has_known_rows and abs(scale / problem.trust - 1) >= _SAME else problem.trust
+    known = problem.has_known_rows and scale > 0  # where a contact rests throughout nothing is left
+    trust = scale if known and abs(scale / problem.trust - 1) >= _SAME else problem.trust
     if trust == problem.trust and (abs(sizes / problem.sizes - 1) < _ALIKE).all():
         return problem
     return problem.trusting(trust, sizes)

@@ -222,9 +222,12 @@ def _body(model: Model, body: str | None) -> int | None:
 
 
 def _check_forces(records: list[Any]) -> None:
-    """`InputError` for records of a motion without a force, of which a law alone says nothing."""
+    """`InputError` for numbers, and for records of a motion without a force, of which a law alone says nothing."""
     for i, rec in enumerate(records):
-        moves = isinstance(rec, Record) and "force" not in rec and ("velocity" in rec or "position" in rec)
+        if not isinstance(rec, Record):
+            why = "and a law alone is fitted to a force over a motion; for a mean velocity give the robot (a preset, a study file) instead"
+            raise InputError("identify", [f"records[{i}] = {rec!r} is a number, {why}; or type ss.read(path)"])
+        moves = "force" not in rec and ("velocity" in rec or "position" in rec)
         if moves and all(c.unit is not None for c in rec.channels.values()):
             why = "and a law alone is fitted to a force over a motion; for a motion alone give the robot (a preset, a study file) instead"
             raise InputError("identify", [f'record {i} has no force, {why}, and type free={{"friction.mu_plus": (0.05, 0.5)}}'])

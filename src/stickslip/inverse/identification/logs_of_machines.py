@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -34,6 +35,7 @@ _APART = 1.5  # times the usual distance between windows beyond which something 
 _STROKE, _LATE = 12, 5  # parts of the time between reversals, and samples at most, that are left out beside one
 _LONGEST = 64  # samples from the middle to the end of a window, at most
 
+_FEWEST, _ENOUGH = 16, 60  # values of a log, and those that bear the numbers of its sensor too
 _PUSH = 1e9  # of what is applied: no contact is held against as much
 
 
@@ -218,8 +220,26 @@ def bench_of(model: Model, rec: Record, label: str) -> Bench:
     _check_machine(model, label)
     clock = clock_of(rec, APPLIED[kind][0], label)
     smooth, notes = motion_behind(rec)
-    half, noisy = _half(clock, smooth)
-    return _made(kind, clock, smooth, half, noisy, label, notes)
+    tried = _halves(clock, smooth)
+    best = min(tried, key=lambda pair: pair[1])
+    rate = _velocities(clock, smooth)
+    half, noisy = _with_values(tried, best, lambda half: len(_windows(clock, rate, half)[0]))
+    return _made(kind, clock, smooth, rate, half, noisy, label, notes)
+
+
+def _with_values(tried: list[tuple[int, float]], best: tuple[int, float], count: Callable[[int], int]) -> tuple[int, float]:
+    """The window of least noise, or where it leaves too few values the longest that leaves enough; else that which leaves most.
+
+    The noise of shorter windows is in the intervals, as any noise of the motion.
+    """
+    if count(best[0]) >= _FEWEST:
+        return best
+    shorter = [(count(half), half, noisy) for half, noisy in tried if half < best[0]]
+    enough = [(half, noisy) for values, half, noisy in shorter if values >= _ENOUGH]
+    if enough:
+        return max(enough)
+    most = max(shorter, default=(0, *best))
+    return most[1:] if most[0] >= _FEWEST else best
 
 
 def _wanted(model: Model) -> str:
@@ -240,9 +260,9 @@ def _check_machine(model: Model, label: str) -> None:
     )  # fmt: skip
 
 
-def _half(clock: Clock, smooth: Smooth | None) -> tuple[int, float]:
-    """Samples from the middle to the end of a window, and the noise of the mean acceleration over its size."""
-    best, h = (1, np.inf), clock.step
+def _halves(clock: Clock, smooth: Smooth | None) -> list[tuple[int, float]]:
+    """Samples from the middle to the end of windows up to one without noise, and the noise of their mean accelerations over its size."""
+    tried, h = [(1, np.inf)], clock.step
     x = clock.x if smooth is None else smooth.at(clock.t)
     off = [] if smooth is None else [smooth.again(k).at(clock.t) - x for k in range(_LOOKED)]
     for half in sorted({*range(1, 9), *np.unique((8 * 2 ** (np.arange(1, 13) / 4)).astype(int)).tolist()}):
@@ -252,10 +272,10 @@ def _half(clock: Clock, smooth: Smooth | None) -> tuple[int, float]:
         a = _accelerations(x, at, half, h)
         sigma = float(np.sqrt(np.mean([np.mean(_accelerations(e, at, half, h) ** 2) for e in off]))) if off else 0.0
         size = float(np.sqrt(max(np.mean(a**2) - sigma**2, 1e-300)))
-        best = min(best, (half, sigma / size), key=lambda pair: pair[1])
-        if best[1] <= _SMALL:
+        tried.append((half, sigma / size))
+        if tried[-1][1] <= _SMALL:
             break
-    return best
+    return tried
 
 
 def _accelerations(x: Array, at: Any, half: int, h: float) -> Any:
@@ -270,29 +290,35 @@ def _velocities(clock: Clock, smooth: Smooth | None) -> Any:
     return np.where(abs(rate) <= max(_REST * sigma, 1e-9 * float(abs(rate).max())), 0.0, rate)
 
 
-def _made(kind: str, clock: Clock, smooth: Smooth | None, half: int, noisy: float, label: str, notes: list[str]) -> Bench:
+def _windows(clock: Clock, rate: Array, half: int) -> tuple[Any, int]:
+    """Samples in the middle of windows that are compared, and how many are left out about reversals."""
+    count, apart = len(clock.t), 2 * half + 1 if half > 1 else 1
+    at = np.arange(half, count - half, apart)
+    turns = np.concatenate([[0], np.cumsum(np.diff(np.sign(rate)) != 0)])
+    margin = half + int(np.clip(count / (_STROKE * (turns[-1] + 1)), 0, _LATE))  # a delay brings the friction before a reversal after it
+    whole = clock.joined(at, half)
+    even = turns[np.minimum(at + margin, count - 1)] == turns[np.maximum(at - margin, 0)]
+    return at[whole & even], int((whole & ~even).sum())
+
+
+def _made(kind: str, clock: Clock, smooth: Smooth | None, rate: Array, half: int, noisy: float, label: str, notes: list[str]) -> Bench:
     t, h = clock.t, clock.step
     x = clock.x if smooth is None else smooth.at(t)
-    rate = _velocities(clock, smooth)
-    apart = 2 * half + 1 if half > 1 else 1
-    at = np.arange(half, len(t) - half, apart)
-    turns = np.concatenate([[0], np.cumsum(np.diff(np.sign(rate)) != 0)])
-    margin = half + int(np.clip(len(t) / (_STROKE * (turns[-1] + 1)), 0, _LATE))  # a delay brings the friction before a reversal after it
-    whole = clock.joined(at, half)
-    even = turns[np.minimum(at + margin, len(t) - 1)] == turns[np.maximum(at - margin, 0)]
-    at = at[whole & even]
-    if len(at) < 16:
+    at, turned = _windows(clock, rate, half)
+    if len(at) < _FEWEST:
         raise InputError("identify", [_few(label, len(at), len(t), kind, half, smooth)])
     weight = 1.0 / _averaged(1.0 / np.where(clock.weight > 0, clock.weight, np.inf), at, half)
     still = rate[at] == 0
     a = _accelerations(x, at, half, h)
-    cut = "; ".join([*clock.notes, *notes, *_said(half, noisy, int((whole & ~even).sum()))]) or None
+    cut = "; ".join([*clock.notes, *notes, *_said(half, noisy, turned)]) or None
     return Bench(kind, t, x, rate, at, a, _averaged(clock.y, at, half), weight, still, half, label, cut, measured=smooth)
 
 
 def _few(label: str, count: int, samples: int, kind: str, half: int, smooth: Smooth | None) -> str:
     """Why so few values are left of a record, and what helps."""
-    sentence = f"{label} has {count} values between reversals with motion and {kind}, of {samples} samples; allowed are 16 or more"
+    sentence = f"{label} has {count} values between reversals with motion and {kind}, of {samples} samples; allowed are {_FEWEST} or more"
+    if half == 1:
+        sentence += "; a longer log, or longer strokes beside the time between samples, give more"
     if half > 1:
         sentence += f"; the noise of the motion asks for averages over {2 * half - 1} samples: "
         sentence += "a longer log, faster or longer strokes, or a finer encoder"

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.basics.contracts import ArrayLike
-from stickslip.inverse.identification.smoothing import MotionChannel, Smooth, channel, smoothed
+from stickslip.basics.errors import InputError
+from stickslip.inverse.identification.smoothing import EDGES, MotionChannel, Smooth, channel, edges_too_few, smoothed
 
 if TYPE_CHECKING:
     from stickslip.records.record import Record
@@ -21,12 +22,22 @@ _SAID = ("", "/s", "/s²")
 
 
 def motion_behind(rec: Record) -> tuple[Smooth | None, list[str]]:
-    """The motion behind the position, velocity and acceleration of a record, and what to say of it; None where its noise is nothing."""
+    """The motion behind the position, velocity and acceleration of a record, and what to say of it; None where its noise is nothing.
+
+    `InputError` for a position of so few counts that it shows no motion: between them a contact would be taken to rest.
+    """
     channels = {order: rec[role] for role, order in _ORDERS.items() if role in rec}
+    if 0 in channels and len(np.unique(channels[0].si[np.isfinite(channels[0].si)])) == 1:
+        what = f"{channels[0].name} does not change in {len(channels[0])} samples"
+        raise InputError("identify", [f"{what}; allowed is a motion; a longer record, longer strokes or a finer encoder show it"])
     own = {order: made for order, c in channels.items() if (made := channel(order, c.time, c.si)) is not None}
     first = min(own, default=2)
     if first == 2:
         return None, []
+    if len(own) == 1 and (edges := edges_too_few(channels[first].si)) is not None:
+        what = f"{channels[first].name} changes {edges} times in {len(channels[first])} samples"
+        advice = f"allowed are {EDGES} times or more; a longer record, longer strokes or a finer encoder show the motion"
+        raise InputError("identify", [f"{what}: so few counts of an encoder do not; {advice}"])
     motion = smoothed((own[first],))
     if motion is None:
         return None, []

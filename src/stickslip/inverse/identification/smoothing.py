@@ -26,6 +26,7 @@ _GRID = 1.5  # from one bandwidth that is tried to the next
 _NONE = 1e-4  # noise of a difference of neighbours, in root mean squares of the differences, below which a motion is taken as it is
 _ORDERS = (5, 7, 9)  # of differences that tell noise from a motion that is coarsely sampled
 _COARSE = 0.25  # distinct values for each sample below which a channel is one of counts
+EDGES = 16  # changes of a count, fewer than which do not show a motion
 _TURNS = 0.25  # of the changes of a count that go back, above which noise and not the motion makes them
 _EDGE = 0.05  # of a count, by which the edges of an encoder may be off
 _MOST = 200_000  # values of all channels together
@@ -264,11 +265,23 @@ def _chosen(rows: _Rows) -> tuple[float, float, float, Any, float]:
 def counted(y: Array) -> float:
     """The step of a channel that is one of counts which the motion crosses one by one; 0 of any other."""
     values = np.unique(y)
-    if not 1 < len(values) < _COARSE * len(y):
+    if not _is_coarse(y):
         return 0.0
     steps = np.diff(y)[np.diff(y) != 0]
     back = float(np.mean(steps[1:] * steps[:-1] < 0)) if len(steps) > 1 else 0.0
-    return float(np.min(np.diff(values))) if back < _TURNS and len(steps) >= 16 else 0.0
+    return float(np.min(np.diff(values))) if back < _TURNS and len(steps) >= EDGES else 0.0
+
+
+def edges_too_few(y: Array) -> int | None:
+    """How often a channel of counts changes, if that is too seldom to show a motion; None of any other."""
+    y = y[np.isfinite(y)]
+    changes = int(np.count_nonzero(np.diff(y)))
+    return changes if _is_coarse(y) and changes < EDGES else None
+
+
+def _is_coarse(y: Array) -> bool:
+    """Whether a channel has few values beside its samples, and not one alone."""
+    return 1 < len(np.unique(y)) < _COARSE * len(y)
 
 
 def _edges(t: Array, y: Array, count: float, sigma: float) -> tuple[Any, Any, Any]:
