@@ -51,6 +51,13 @@ def test_a_slider_is_stable_above_its_critical_stiffness_and_not_below(evolution
         assert (np.trace(A) > 0) == (part < 1)
 
 
+@pytest.mark.parametrize("evolution", ["aging", "slip"])
+def test_a_contact_that_nobody_has_moved_is_in_the_state_of_steady_sliding_at_the_reference_speed(evolution):
+    law = ROCK.replace(evolution=evolution)
+    assert law.rate(law.v0, law.start(10.0), 10.0) == pytest.approx(0.0, abs=1e-12 * law.v0 / law.Dc)
+    assert law.force(law.v0, law.start(10.0), 0.0, 10.0) == pytest.approx(0.6 * 10.0, rel=1e-6) == law.steady(law.v0, 10.0)
+
+
 def test_numbers_of_a_rock_that_are_none_are_told():
     with pytest.raises(ss.InputError, match=r'evolution = "healing"|evolution = .healing.; allowed is "aging" or "slip"'):
         ROCK.replace(evolution="healing")

@@ -165,5 +165,5 @@ def _periodic(model: Model, period: int, exponents: Lyapunov, state: Array, run:
         why = f"{returns}, but the orbit there is unstable ({largest}): what stays on it for now leaves it in the end; try another start"
         return Verdict(UNSETTLED, None, exponents, None, why)
     neutral = "" if orbit.stable else f", which is {orbit.stability}"
-    why = f"{returns} and {largest}{neutral}; Newton's method finds the orbit to {orbit.residual:.1e} of its scales"
+    why = f"{returns}, Newton's method finds its orbit, and {largest}{neutral}"
     return Verdict(PERIODIC, period, exponents, orbit, why)
