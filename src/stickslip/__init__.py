@@ -1,13 +1,11 @@
 """Vibration-driven robots and stick-slip friction: the public names of `__init__.pyi`, loaded when they are first used."""
 
 import importlib
-import importlib.abc
 import importlib.machinery
 import sys
 
 import lazy_loader
 
-from stickslip.basics.interruption import held_together
 from stickslip.basics.presenting import on_demand
 
 __version__ = "0.1.0.dev0"
@@ -16,6 +14,8 @@ _load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
 def __getattr__(name: str) -> object:
+    from stickslip.basics.interruption import held_together  # with what it imports it takes twice as long as all the rest of this module
+
     if name in PUBLIC_MODULES:
         with held_together():  # an import that Ctrl-C leaves half done poisons the process
             return importlib.import_module(f"{__name__}.{PUBLIC_MODULES[name]}")
@@ -75,8 +75,11 @@ _MOVED = {
 }
 
 
-class _PublicModules(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Import ``stickslip.plot`` as the module that it stands for, so that there is one module under both names."""
+class _PublicModules:
+    """Import ``stickslip.plot`` as the module that it stands for, so that there is one module under both names.
+
+    It has no base class: that of finders stands in a module which loads thirty others.
+    """
 
     def find_spec(self, fullname, path=None, target=None):  # type: ignore[no-untyped-def]
         package, _, rest = fullname.partition(".")
@@ -85,7 +88,7 @@ class _PublicModules(importlib.abc.MetaPathFinder, importlib.abc.Loader):
             if package == __name__ and first in _MOVED:
                 raise ModuleNotFoundError(f"{fullname} has moved; type {__name__}.{_MOVED[first]}{dot}{more}", name=fullname)
             return None
-        return importlib.machinery.ModuleSpec(fullname, self, origin=f"{__name__}.{PUBLIC_MODULES[first]}{dot}{more}")
+        return importlib.machinery.ModuleSpec(fullname, self, origin=f"{__name__}.{PUBLIC_MODULES[first]}{dot}{more}")  # type: ignore[arg-type]
 
     def create_module(self, spec):  # type: ignore[no-untyped-def]
         return None

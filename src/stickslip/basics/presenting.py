@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+TYPE_CHECKING = False  # as in `typing`, whose import would take a third of that of this package
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
 
-Provider = Callable[[str], Callable[..., Any]]
+    Provider = Callable[[str], Callable[..., Any]]
+
 _PROVIDERS: dict[str, Provider] = {}
 _ON_DEMAND: list[Callable[[], object]] = []
 
