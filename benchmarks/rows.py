@@ -22,7 +22,7 @@ from scipy.integrate import solve_ivp
 import stickslip as ss
 
 BETWEEN, PULLER, SPEED, KINETIC, STATIC, V_S = 16.0, 1.0, 0.01, 0.5, 1.0, 0.25
-YOUNG = 0.02  # [s]: how long a block that begins to slip is not asked whether it rests; its velocity is within the tolerance at first
+YOUNG = 0.002  # [s]: how long a block that begins to slip is not asked whether it rests; its velocity is within the tolerance at first
 
 
 @dataclass(frozen=True, eq=False)
