@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.analysis.oscillation import Oscillation, oscillation
 from stickslip.analysis.run_segments import Segments, WatchedContact, WatchedOf, pieces_within, raw_segments
-from stickslip.analysis.steady import needs_run, period_number
+from stickslip.analysis.steady import is_run, needs_run, period_number
 from stickslip.basics.arguments import described_as, explains_arguments
 from stickslip.basics.contracts import Law
 from stickslip.basics.errors import InputError
@@ -24,10 +25,10 @@ from stickslip.models.machine_adapter import machine_of
 from stickslip.records.record import Record
 from stickslip.results.segments import intervals_of, type_of
 from stickslip.results.summary import Summary
+from stickslip.results.trajectory import Trajectory
 
 if TYPE_CHECKING:
     from stickslip.results.flow_run import FlowRun
-    from stickslip.results.trajectory import Trajectory
 
 #: The body counts as stuck while the elastic part of friction is below this fraction of its steady sliding value ...
 SLIP_RATIO = 0.75
@@ -165,7 +166,7 @@ class Motions(Drawn):
 
 
 @explains_arguments
-def motion(run: Trajectory | Record, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Motion | Motions:
+def motion(run: Trajectory | Record, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Motion | Motions | Oscillation:
     """The motion at the end of a run.
 
     A set-valued law rests exactly, and no threshold is needed. A dynamic law never rests: there the body counts as stuck while the
@@ -179,11 +180,11 @@ def motion(run: Trajectory | Record, slip_ratio: float = SLIP_RATIO, dwell: floa
     slip_ratio : float
         Between 0 and 1.
     dwell : float
-        In drive periods, 0 or more.
+        In drive periods, 0 or more; of a machine without a period in its own periods.
 
     Returns
     -------
-    Motion, or Motions of a machine that lists its contacts
+    Motion, or Motions of a machine that lists its contacts; Oscillation of a machine without a period
 
     Examples
     --------
@@ -196,6 +197,9 @@ def motion(run: Trajectory | Record, slip_ratio: float = SLIP_RATIO, dwell: floa
         measured: Any = run.motion(dwell=dwell)
         return measured
     _check(run, slip_ratio, dwell)
+    if isinstance(run, Trajectory) and run.model.period is None:
+        is_run("motion", run)
+        return oscillation(run, slip_ratio, dwell)
     if hasattr(run, "model") and not machine_of(run.model).is_single:
         return _of_contacts(run.parted, slip_ratio, dwell)
     single: Trajectory = needs_run("motion", run, "its types and patterns are those of one velocity")

@@ -22,7 +22,8 @@ from stickslip.dynamics.attractors.settled_motions import Settled, settled_motio
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.stroboscopic.chunked_runs import Report
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, spread_over
+from stickslip.dynamics.stroboscopic.return_maps import on_section
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, spread_over
 from stickslip.models.switching_flow import is_flow
 from stickslip.studies.progress import Watch
 
@@ -134,8 +135,8 @@ def attractors(
     robots = family("attractors", make, (parameter,), fixed)
     values = checked_values(Problems("attractors"), values, robots)
     first = robots.robot(values[0])
-    needs_model("attractors", first, flows=True)
-    at = coordinates(robots.robots(values))
+    needs_model("attractors", first, flows=True, sections=True)
+    at = on_section(robots.robots(values))
     if "phase" in (starts or {}):
         raise InputError("attractors", ["phase is not part of the strobe state that is tracked; take ss.basins(robot, phase=...)"])
     axes, limit = start_axes("attractors", at, starts or {}, settle, limit, workers, first)
@@ -168,13 +169,17 @@ class _Along:
     rtol: float
     workers: int
 
+    def on(self, model: Model) -> Coordinates:
+        """The coordinates of the model at one value; without a period it has a section of its own."""
+        return self.at if self.at.section is None else on_section(model)
+
     def settled(self, model: Model, states: Array) -> Settled:
         many = spread_over(model, len(states))
-        return settled_motions(many, states, self.at, self.settle, self.limit, self.rtol, workers=self.workers)
+        return settled_motions(many, states, self.on(model), self.settle, self.limit, self.rtol, workers=self.workers)
 
     def numbered(self, model: Model, settled: Settled) -> tuple[Features, Array]:
         """Features of the motions, and a number for each."""
-        motions = features_of(float(model.period), settled, self.at)
+        motions = features_of(model.period, settled, self.at)
         return motions, motion_numbers(motions, settled.attracted)
 
 
@@ -289,7 +294,7 @@ def _dataset(robots: Family, parameter: str, values: Array, tracks: list[_Track]
     columns: dict[str, Any] = {name: (both, numbers[..., i], attrs) for i, (name, attrs) in enumerate(about.items())}
     columns |= {
         "period": (both, period, {"units": "1", "long_name": "motion period (0: none, -1: absent)"}),
-        "motion": (both, motion, {"long_name": "motion: periodic, quasi-periodic, chaotic; empty where it is absent"}),
+        "motion": (both, motion, {"long_name": "motion: periodic, quasi-periodic, chaotic, steady; empty where it is absent"}),
         "image": (both, image, {"units": "1", "long_name": "attractor that is its mirror image, or itself (-1: none is known)"}),
     }
     columns |= {

@@ -46,7 +46,7 @@ class SideJudge:
 def _settled(model: Model, at: Coordinates, states: Array, settle: int, rtol: float) -> tuple[Features, Settled]:
     """Features of the motions on which starts settle."""
     settled = settled_motions(spread_over(model, len(states)), states, at, settle, _LONGER * settle, rtol)
-    return features_of(float(model.period), settled, at), settled
+    return features_of(model.period, settled, at), settled
 
 
 def judge_between(model: Model, at: Coordinates, settle: int, rtol: float, ends: Array) -> SideJudge:

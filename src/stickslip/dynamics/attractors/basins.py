@@ -17,13 +17,14 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible
 from stickslip.basics.notebook_display import Drawn
 from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
-from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, OF_MOTIONS, PERIODIC, UNSETTLED
+from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, OF_MOTIONS, PERIODIC, STEADY, UNSETTLED
 from stickslip.dynamics.attractors.mirror_images import image_in_words, mirror_images
 from stickslip.dynamics.attractors.motion_features import Features, features_of, motion_numbers
 from stickslip.dynamics.attractors.settled_motions import Settled, checked_limit, settled_motions
 from stickslip.dynamics.stroboscopic.chunked_runs import Report
 from stickslip.dynamics.stroboscopic.phase_shift import shifted_robots
 from stickslip.dynamics.stroboscopic.refusals import needs_model
+from stickslip.dynamics.stroboscopic.return_maps import on_section
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over, state_at_rest
 from stickslip.models.switching_flow import is_flow
 from stickslip.solvers.request import LARGEST_START
@@ -76,6 +77,8 @@ class Attractor:
         """What motion it is: "period 2", or "chaotic (exponent 0.42 ± 0.01 per drive period)"."""
         if self.kind == PERIODIC:
             return f"period {self.period}"
+        if self.kind == STEADY:
+            return STEADY
         return f"{self.kind} (exponent {self.exponent:.2g} ± {self.error:.1g} per drive period)"
 
     @property
@@ -208,8 +211,8 @@ def basins(
     >>> len(b.attractors), b.fractions
     (1, [1.0])
     """
-    needs_model("basins", model, flows=True)
-    at = coordinates(model)
+    needs_model("basins", model, flows=True, sections=True)
+    at = on_section(model)
     axes, limit = start_axes("basins", at, starts, settle, limit, workers, model)
     table = grid_of(axes)
     states = on_grid(table, model)
@@ -247,7 +250,7 @@ def start_axes(
 ) -> tuple[dict[str, Array], int]:
     """The axes of a grid of starts, checked, and the limit of their runs in drive periods."""
     flow = is_flow(model)
-    problems, known = Problems(what), at.names[: at.smooth] if flow else (*at.names, "phase")
+    problems, known = Problems(what), at.names[: at.smooth] if flow else at.names if at.section is not None else (*at.names, "phase")
     problems.whole("workers", workers, 1, example=2)
     problems.whole("settle", settle, 1, example=300)
     most = checked_limit(problems, settle, limit)
@@ -279,7 +282,7 @@ def _usual(at: Coordinates) -> dict[str, Array]:
 def _gathered(model: Model, axes: dict[str, Array], settled: Settled, at: Coordinates, by_phase: bool, rtol: float) -> Basins:
     import xarray as xr
 
-    motions = features_of(float(model.period), settled, at, by_phase)
+    motions = features_of(model.period, settled, at, by_phase)
     number = motion_numbers(motions, settled.attracted)
     dims, shape, flow = tuple(axes), tuple(len(axis) for axis in axes.values()), is_flow(model)
     members = [np.flatnonzero(number == k) for k in range(number.max() + 1)]
@@ -301,7 +304,7 @@ def _gathered(model: Model, axes: dict[str, Array], settled: Settled, at: Coordi
     firsts = [int(members[k][0]) for k in order]
     images = [None] * len(order) if by_phase else mirror_images(model, at, motions, settled.points[firsts, -1], firsts, rtol)
     words = [image_in_words(i, image) for i, image in enumerate(images)]
-    attractors = [_attractor(model, members[k], cases, settled, motions, by_phase, word) for k, word in zip(order, words, strict=True)]
+    attractors = [_attractor(model, at, members[k], cases, settled, motions, by_phase, word) for k, word in zip(order, words, strict=True)]
     return Basins(model, xr.Dataset(columns, coords), attractors, _notes(settled))
 
 
@@ -312,14 +315,16 @@ def _notes(settled: Settled) -> tuple[str, ...]:
     return (*settled.reasons(), *more)
 
 
-def _attractor(model: Model, members: Array, cases: int, settled: Settled, motions: Features, by_phase: bool, image: str) -> Attractor:
-    from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
+def _attractor(
+    model: Model, at: Coordinates, members: Array, cases: int, settled: Settled, motions: Features, by_phase: bool, image: str
+) -> Attractor:
+    from stickslip.dynamics.periodic.periodic_orbits import orbit_near
 
     first = members[0]
     kind, count, state = str(settled.kind[first]), int(settled.period[first]), settled.points[first, -1]
     orbit = None
     with suppress(SolveError, InputError):
-        orbit = periodic_orbit(model, count, guess=state) if count and not by_phase else None
+        orbit = orbit_near(model, count, state, at) if count and not by_phase else None
     share, way = len(members) / cases, np.nan if is_flow(model) else float(np.mean(motions.mean_velocity[members]))
     exponent, error = (float(np.mean(each[members])) for each in (settled.exponent, settled.error))
     return Attractor(kind, count, way, state, share, wilson(len(members), cases), orbit, exponent, error, image)

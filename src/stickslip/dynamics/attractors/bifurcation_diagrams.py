@@ -16,12 +16,13 @@ from stickslip.basics.interruption import interruptible, look, partial_result
 from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, OF_MOTIONS, UNDONE
 from stickslip.dynamics.attractors.motion_features import features_of
 from stickslip.dynamics.attractors.period_numbers import POINTS
-from stickslip.dynamics.attractors.settled_motions import checked_limit, settled_motions
+from stickslip.dynamics.attractors.settled_motions import checked_limit, motion_times, settled_motions
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, over_chunks
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, strobe_map
+from stickslip.dynamics.stroboscopic.return_maps import on_section
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, strobe_map
 from stickslip.models.naming import in_its_unit
 from stickslip.models.switching_flow import is_flow
 from stickslip.studies.progress import Watch
@@ -102,15 +103,15 @@ def bifurcation(
     problems.whole("workers", workers, 1, example=2)
     limit = checked_limit(problems, settle, limit)
     values = checked_values(problems, values, robots)
-    needs_model("bifurcation", robots.robot(values[0]), flows=True)
-    how = _Look(robots, coordinates(robots.robots(values)), settle, limit, points, rtol)
+    needs_model("bifurcation", robots.robot(values[0]), flows=True, sections=True)
+    how = _Look(robots, on_section(robots.robots(values)), settle, limit, points, rtol)
     first = states_of(start, robots.robots(values))
     diagram = how.blank(DIRECTIONS if follow else ("from start",), len(values), first.shape[1])
     with partial_result() as ending:
         if follow:
             _hysteresis(diagram, how, values, first, progress)
         else:
-            for part, columns in over_chunks(len(values), lambda part, tell: how.at_values(values[part], first[part]), workers, progress):
+            for part, columns in over_chunks(len(values), lambda part, tell: how.at_values(values, part, first[part]), workers, progress):
                 for name, column in columns.items():
                     diagram[name][0, part] = column
     grid = _dataset(how, parameter, values, diagram, DIRECTIONS if follow else ("from start",))
@@ -133,29 +134,29 @@ class _Look:
 
     def blank(self, directions: tuple[str, ...], values: int, d: int) -> dict[str, Array]:
         """Columns over direction and value of what is not computed yet."""
-        flat, numbers = (len(directions), values), ("mean_velocity", "exponent", "error", "v_max", "v_min")
+        flat, numbers = (len(directions), values), ("mean_velocity", "exponent", "error", "v_max", "v_min", "duration")
         return {
             "points": np.full((*flat, self.points, d), np.nan), "displacement": np.full((*flat, self.points), np.nan),
             "motion": np.full(flat, NOT_COMPUTED, dtype="<U16"), "period": np.full(flat, UNDONE), "run": np.zeros(flat, int),
             **{name: np.full(flat, np.nan) for name in numbers},
         }  # fmt: skip
 
-    def at_values(self, values: Array, states: Array) -> dict[str, Array]:
-        """Columns of the cases of some values, each with its own start."""
-        model, n = self.robots.robots(values), len(values)
+    def at_values(self, values: Array, which: Any, states: Array) -> dict[str, Array]:
+        """Columns of the cases of some of the values, each with its own start."""
+        model, at, n = self.robots.robots(values[which]), self.at.of(which), len(states)
         settled = settled_motions(
-            model, states, self.at, self.settle, self.limit, self.rtol, groups=np.arange(n), points=max(self.points, POINTS)
+            model, states, at, self.settle, self.limit, self.rtol, groups=np.arange(n), points=max(self.points, POINTS)
         )
-        V = features_of(np.asarray(model.period, float), settled, self.at).mean_velocity
+        V = features_of(None if model.period is None else np.asarray(model.period, float), settled, at).mean_velocity
         ends, known = settled.points[:, -1], np.flatnonzero(np.isfinite(settled.points[:, -1]).all(axis=1))
         extremes = np.full((2, n), np.nan)
         if len(known):
-            last = strobe_map(some_of(model, known), ends[known], 1, self.rtol)
+            last = strobe_map(some_of(model, known), ends[known], 1, self.rtol, at.of(known))
             extremes[:, known] = last.v_max, last.v_min
         return {
             "points": settled.points[:, -self.points :], "displacement": settled.ways[:, -self.points :], "mean_velocity": V,
             "motion": settled.kind, "period": settled.period, "exponent": settled.exponent, "error": settled.error, "run": settled.run,
-            "v_max": extremes[0], "v_min": extremes[1],
+            "v_max": extremes[0], "v_min": extremes[1], "duration": motion_times(settled),
         }  # fmt: skip
 
 
@@ -174,7 +175,7 @@ def _hysteresis(diagram: dict[str, Array], how: _Look, values: Array, first: Arr
     n, states, watch = len(values), first[[0, -1]], Watch(len(values), progress)
     for k in range(n):
         look()
-        columns = how.at_values(values[[k, n - 1 - k]], states)
+        columns = how.at_values(values, [k, n - 1 - k], states)
         last = columns["points"][:, -1]
         states = np.where(np.isfinite(last), last, first[[k, n - 1 - k]])
         for name, column in columns.items():
@@ -196,6 +197,8 @@ def _dataset(how: _Look, parameter: str, values: Array, diagram: dict[str, Array
     if at.mechanics is None and not flow:
         columns["v_max"] = (flat, diagram["v_max"], {"units": "m/s", "long_name": "largest velocity"})
         columns["v_min"] = (flat, diagram["v_min"], {"units": "m/s", "long_name": "smallest velocity"})
+    if at.section is not None:
+        columns["duration"] = (flat, diagram["duration"], {"units": "s", "long_name": "time until the motion repeats"})
     coords = {parameter: (parameter, values, how.robots.describe(parameter)), "direction": list(directions)}
     return xr.Dataset(columns, coords, {"parameter": parameter, "settle": how.settle, "limit": how.limit})
 

@@ -20,12 +20,13 @@ from stickslip.dynamics.attractors.basin_sides import SideJudge, judge_between, 
 from stickslip.dynamics.attractors.basins import Attractor
 from stickslip.dynamics.attractors.period_numbers import LONGEST
 from stickslip.dynamics.periodic.given_states import states_of
-from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
+from stickslip.dynamics.periodic.periodic_orbits import derivative_of, orbit_near
 from stickslip.dynamics.stroboscopic.refusals import needs_model
+from stickslip.dynamics.stroboscopic.return_maps import on_section
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, strobe_map, strobe_orbit
 
 if TYPE_CHECKING:
-    from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
+    pass
 
 
 _WIDE = 1e-5  # in scales: how far the pair that straddles the border may come apart
@@ -106,7 +107,9 @@ class EdgeState(Drawn):
         """The strobe points of the motion: array (n, coordinates); those of the edge track where it has no period, one of a jump."""
         if self.kind == "not periodic":
             return self.track
-        return np.vstack([self.state[None, :], strobe_orbit(self.model, self.state, max(self.period, 1), 1e-12)[0][:-1, 0]])
+        return np.vstack(
+            [self.state[None, :], strobe_orbit(self.model, self.state, max(self.period, 1), 1e-12, on_section(self.model))[0][:-1, 0]]
+        )
 
     @property
     def multipliers(self) -> Array:
@@ -153,7 +156,7 @@ def edge_state(
     Parameters
     ----------
     model : Robot, machine or SwitchingFlow
-        With a period; a map by ``SwitchingFlow.of_map``.
+        A map by ``SwitchingFlow.of_map``. A machine without a period is looked at on a section, and its returns count as drive periods.
     first, second : Attractor, dict, array, Trajectory or orbit
         Two attractors of `basins`, or two starts that lead to different motions.
     periods : int
@@ -191,17 +194,17 @@ def edge_state(
     >>> edge.kind, edge.period, bool(edge.multipliers[0] > 1 > edge.multipliers[1])
     ('saddle', 1, True)
     """
-    needs_model("edge_state", model, flows=True)
+    needs_model("edge_state", model, flows=True, sections=True)
     problems = Problems("edge_state")
     problems.whole("periods", periods, 1, example=100)
     problems.whole("settle", settle, 1, example=200)
     checked_number("rtol", rtol, problems, between(1e-14, 1e-3), "a tolerance from 1e-14 to 1e-3", "rtol=1e-10")
     problems.check()
-    at = coordinates(model)
+    at = on_section(model)
     ends = np.vstack([states_of(start.state if isinstance(start, Attractor) else start, model)[:1] for start in (first, second)])
     judge = judge_between(model, at, int(settle), rtol, ends)
     report = reporting(progress, "edge_state")
-    state = _tracked(judge, narrowed(judge, ends), int(periods), report)
+    state = _tracked(judge, narrowed(judge, ends if at.section is None else judge.ends), int(periods), report)
     report(state.kind, int(periods), int(periods))
     return state
 
@@ -262,7 +265,7 @@ def _as_orbit(judge: SideJudge, track: list[Array], period: int) -> EdgeState | 
     One with more unstable directions than one does not attract what lies on the border: the track only passes it.
     """
     try:
-        orbit = periodic_orbit(judge.model, period, guess=track[-1])
+        orbit = orbit_near(judge.model, period, track[-1], judge.at)
     except (SolveError, InputError):
         return None
     state, at = orbit.strobe_state, judge.at
@@ -278,7 +281,7 @@ def _as_orbit(judge: SideJudge, track: list[Array], period: int) -> EdgeState | 
     return EdgeState(judge.model, kind, state, _accuracy(at, orbit), orbit, miss, sentences, judge.ends, np.array(track), notes)
 
 
-def _sides_of(judge: SideJudge, orbit: PeriodicOrbit) -> Array:
+def _sides_of(judge: SideJudge, orbit: Any) -> Array:
     """The motions to which starts beside an orbit lead, along its most unstable direction: array (2 sides, distances)."""
     values, vectors = np.linalg.eig(orbit.monodromy)
     d, scales = judge.at.smooth, judge.at.scales[: judge.at.smooth]
@@ -306,12 +309,12 @@ def _names_of_sides(judge: SideJudge, sides: list[int]) -> tuple[str, str]:
     return names[sides[0]], names[sides[1]]
 
 
-def _accuracy(at: Coordinates, orbit: PeriodicOrbit) -> float:
+def _accuracy(at: Coordinates, orbit: Any) -> float:
     """By how much the state of an orbit may be wrong, in scales: its residual, by what the map makes of an error, three times."""
-    scales = at.scales[: at.smooth]
-    M = orbit.monodromy / scales[:, None] * scales
+    scales = at.scales[at.free]
+    M = derivative_of(orbit, at) / scales[:, None] * scales
     inverse = np.linalg.pinv(np.eye(len(M)) - M)
-    rounding = np.finfo(float).eps * max(1.0, float(np.max(abs(orbit.strobe_state[: at.smooth]) / scales)))
+    rounding = np.finfo(float).eps * max(1.0, float(np.max(abs(orbit.strobe_state[at.free]) / scales)))
     return float(np.max(abs(inverse).sum(axis=1)) * 3 * max(float(orbit.residual), orbit.rtol * 1e-2, rounding))
 
 

@@ -5,14 +5,15 @@ from __future__ import annotations
 UNDONE = -1  # period number of what was not computed
 
 PERIODIC, QUASI_PERIODIC, CHAOTIC = "periodic", "quasi-periodic", "chaotic"
+STEADY = "steady"  # of a model without a period: its state does not change
 UNSETTLED, RUNS_AWAY, UNSOLVED, NOT_COMPUTED = "not settled", "runs away", "not solved", "not computed"
 #: Kinds of motion that are attractors.
-ATTRACTING = (PERIODIC, QUASI_PERIODIC, CHAOTIC)
+ATTRACTING = (PERIODIC, QUASI_PERIODIC, CHAOTIC, STEADY)
 #: All kinds, in the order of legends and tables.
 KINDS = (*ATTRACTING, UNSETTLED, RUNS_AWAY, UNSOLVED, NOT_COMPUTED)
 #: What the numbers of a motion beside its period are.
 OF_MOTIONS = {
-    "motion": {"long_name": "motion: periodic, quasi-periodic, chaotic, not settled, runs away, not solved, not computed"},
+    "motion": {"long_name": "motion: periodic, quasi-periodic, chaotic, steady, not settled, runs away, not solved, not computed"},
     "exponent": {"long_name": "largest Lyapunov exponent per drive period", "units": "1"},
     "error": {"long_name": "standard error of the exponent", "units": "1"},
     "run": {"long_name": "drive periods until it was recognised, or given up", "units": "1"},

@@ -5,7 +5,8 @@ come in pairs, or are their own image. The image of an attractor is looked for a
 states for three drive periods, and then the starts on the image settle, and are compared with the attractors that are known.
 
 Bristles and positions change their sign, other inner states may keep it, and both are tried. The mode of a flow stays. Laws with discrete
-memory are not looked at: what a memory is in the mirror nobody has said.
+memory are not looked at: what a memory is in the mirror nobody has said; nor are machines without a period,
+whose section has no mirror image.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ def mirror_images(model: Model, at: Coordinates, motions: Features, states: Arra
         A start on each attractor, by its row in `motions`.
     """
     places: list[int | None] = [None] * len(members)
-    if not members or not _may_be_symmetric(model, at):
+    if not members or model.period is None or not _may_be_symmetric(model, at):
         return places
     images, known = np.full_like(states, np.nan), np.zeros(len(states), bool)
     for i, state in enumerate(states):

@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.basics.contracts import Array
 from stickslip.basics.frozen_arrays import sealed
-from stickslip.dynamics.attractors.kinds_of_motion import CHAOTIC, PERIODIC
+from stickslip.dynamics.attractors.kinds_of_motion import CHAOTIC, PERIODIC, STEADY
 from stickslip.dynamics.attractors.motions_without_period import smooth_means
 from stickslip.dynamics.attractors.period_numbers import POINTS, steady_velocity, whole_motions
 from stickslip.dynamics.attractors.settled_motions import Settled
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 _SAME = 1e-4  # two motions whose features differ by less, in scales, are one
 _SMOOTH = 1e-3  # of the spread: weighted means of one quasi-periodic motion differ by less
 _ERRORS = 10.0  # times what two halves of a stretch differ by
+_ROUNDING = 1e-13  # of the velocity scale: what rounding makes of the way of a motion that comes back
 _COVERED = 0.5  # of the points of a chaotic motion lie among those of another start on the same attractor
 
 
@@ -78,19 +79,22 @@ def _covered(points: Array, among: Array) -> float:
 
 
 def features_of(T: Any, settled: Settled, at: Coordinates, by_phase: bool = False) -> Features:
-    """Features of motions in drive periods T [s].
+    """Features of motions in drive periods T [s]; of models without a period (T is None) in returns, which take their own times.
 
     With `by_phase` the strobe is at another phase for each start, and only the mean velocity counts.
     """
-    V = np.array(steady_velocity(settled.ways, settled.period, T))
+    V = np.array(steady_velocity(settled.ways, settled.period, settled.times if T is None else T))
+    if at.section is not None:
+        V[abs(V) <= np.where(settled.kind == STEADY, _SAME, _ROUNDING) * at.speed] = 0.0
     means = _means(settled.points, settled.period, V, at, by_phase)
-    spread, clouds, span = np.zeros_like(means), dict[int, Array](), np.broadcast_to(np.asarray(T, float), V.shape)
+    spread, clouds, span = np.zeros_like(means), dict[int, Array](), None if T is None else np.broadcast_to(np.asarray(T, float), V.shape)
     for i, long in settled.long.items():
         if settled.kind[i] == PERIODIC and 0 < settled.period[i] <= POINTS // 2:
             continue
-        V[i] = float(smooth_weights(len(long)) @ long[:, -1]) / span[i]
+        took = settled.long_times[i] if span is None else span[i]
+        V[i] = float(smooth_weights(len(long)) @ long[:, -1]) / (span[i] if span is not None else float(smooth_weights(len(long)) @ took))
         points = _without_shifts(long[None, :, :-1], at)[0] / at.scales
-        speeds = long[:, -1:] / (span[i] * at.speed)
+        speeds = long[:, -1:] / (np.reshape(took, (-1, 1)) * at.speed)
         kept = speeds if by_phase else np.hstack([points, speeds])
         values, halves, widths = smooth_means(kept)
         n = kept.shape[1]

@@ -15,7 +15,7 @@ from stickslip.dynamics.attractors.period_numbers import LONGEST, long_period, r
 from stickslip.dynamics.attractors.starts_run_on import ERRORS, STRETCH, WatchedStarts
 from stickslip.dynamics.exponents.closed_curves import smooth_weights, winding_number
 from stickslip.dynamics.stroboscopic.differences import difference_jacobian
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, strobe_orbit
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, strobe_orbit, strobe_points
 
 _AGREE = 1e-3  # of the spread: weighted means of two halves of a quasi-periodic motion differ by less
 _ZERO = 1e-3  # per drive period: smaller exponents are not told from zero by a stretch
@@ -52,7 +52,7 @@ class GroupOfStarts:
 
     def __init__(self, batch: Any, watched: WatchedStarts, rtol: float, rows: Array, late: str):
         self.of, self.rtol, self.rows, self.late = watched, rtol, rows, late
-        self.model = cases_of(some_of(batch, rows[:1]))[0]
+        self.model, self.at = cases_of(some_of(batch, rows[:1]))[0], watched.at.of(rows[:1])
         self.orbits: list[tuple[Array, float, Array]] = []
         self.tries, self.longer = 0, _TRIES
 
@@ -92,14 +92,14 @@ class GroupOfStarts:
 
     def _winds(self, long: Array) -> bool:
         """Whether strobe points wind round one closed curve; some are looked at for longer, to tell a winding from a fraction beside it."""
-        smooth = self.of.at.smooth
-        if winding_number(long[:, :smooth]) is not None:
+        free = self.at.free
+        if winding_number(long[:, free]) is not None:
             return True
         if not self.longer:
             return False
         self.longer -= 1
-        more = strobe_orbit(self.model, long[-1:, :-1], _LONG - len(long), self.rtol)[0][:, 0]
-        return winding_number(np.vstack([long[:, :smooth], more[:, :smooth]])) is not None
+        more = strobe_orbit(self.model, long[-1:, :-1], _LONG - len(long), self.rtol, self.at)[0][:, 0]
+        return winding_number(np.vstack([long[:, free], more[:, free]])) is not None
 
     def _closes_in(self, i: int) -> bool:
         """Whether a start closes in on a stable orbit; if so, it has the strobe points of that orbit from now on."""
@@ -114,19 +114,19 @@ class GroupOfStarts:
 
     def _orbit(self, long: Array) -> tuple[Array, float, Array] | None:
         """A stable orbit that a stretch approaches: strobe points, largest multiplier per drive period, derivative after a motion."""
-        from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
+        from stickslip.dynamics.periodic.periodic_orbits import derivative_of, orbit_near
 
         of = self.of
         self.tries += 1
         misses = [(float(of.at.distance(long[-1], long[-1 - p])), p) for p in range(1, LONGEST + 1)]
         for p in dict.fromkeys([1, min(misses)[1], 2]):
             with suppress(SolveError, InputError):
-                orbit = periodic_orbit(self.model, p, guess=long[-1])
+                orbit = orbit_near(self.model, p, long[-1], self.at)
                 if orbit.stable:
                     state = np.asarray(orbit.strobe_state, float)[None, :]
-                    points = np.vstack([state, strobe_orbit(self.model, state, p, self.rtol)[0][:-1, 0]]) if p > 1 else state
+                    points = np.vstack([state, strobe_points(self.model, state, p, self.rtol, self.at)[0][:-1, 0]]) if p > 1 else state
                     largest = float(np.max(abs(orbit.multipliers), initial=0.0)) ** (1.0 / p)
-                    candidate = (points, largest, np.asarray(orbit.monodromy, float))
+                    candidate = (points, largest, derivative_of(orbit, self.at))
                     if any(np.min(of.at.distance(points[0], other[0])) < 1e-6 for other in self.orbits):
                         continue
                     if _approaches(of.at, long, *candidate):
@@ -136,19 +136,19 @@ class GroupOfStarts:
     def _take(self, i: int, orbit: tuple[Array, float, Array]) -> bool:
         of, points = self.of, orbit[0]
         k = int(np.argmin(of.at.distance(points, of.points[i, -1])))
-        kept, ways = strobe_orbit(self.model, points[[k]], of.count, self.rtol)
-        of.points[i], of.ways[i], of.period[i] = kept[:, 0], ways[:, 0], len(points)
+        kept, ways, times = strobe_points(self.model, points[[k]], of.count, self.rtol, self.at)
+        of.points[i], of.ways[i], of.times[i], of.period[i] = kept[:, 0], ways[:, 0], times[:, 0], len(points)
         of.exponent[i] = of.error[i] = np.nan
         return True
 
     def _volumes(self, i: int) -> float:
         """Mean logarithm of the growth of volumes of states in a drive period."""
         of, long = self.of, self.of.long[i][:, :-1]
-        if not of.at.smooth:
+        if not len(of.at.free):
             return 0.0
-        logs, scales = [], of.at.scales[: of.at.smooth]
+        logs, scales = [], of.at.scales[of.at.free]
         for state in long[:: max(len(long) // _VOLUMES, 1)][:_VOLUMES]:
-            M = difference_jacobian(self.model, state, 1, min(self.rtol, 1e-9)) / scales[:, None] * scales
+            M = difference_jacobian(self.model, state, 1, min(self.rtol, 1e-9), at=self.at) / scales[:, None] * scales
             with np.errstate(divide="ignore"):
                 logs.append(float(np.log(abs(np.linalg.det(M)))) if np.isfinite(M).all() else np.nan)
         return float(np.nanmean(np.maximum(logs, -700.0))) if np.isfinite(logs).any() or np.isneginf(logs).any() else 0.0
@@ -173,11 +173,11 @@ def _approaches(at: Coordinates, long: Array, points: Array, multiplier: float, 
 
 def _carried(at: Coordinates, long: Array, points: Array, derivative: Array) -> bool:
     """Whether the derivative of the strobe map along an orbit carries the first difference of a stretch from it to the last."""
-    p, smooth = len(points), at.smooth
+    p, free = len(points), at.free
     first = int(np.argmin(at.distance(long[:p], points[0])))
     turns = (len(long) - 1 - first) // p
-    early, late = (at.difference(long[k], points[0])[:smooth] / at.scales[:smooth] for k in (first, first + turns * p))
-    scales = at.scales[:smooth]
+    early, late = (at.difference(long[k], points[0])[free] / at.scales[free] for k in (first, first + turns * p))
+    scales = at.scales[free]
     carried = np.linalg.matrix_power(derivative / scales[:, None] * scales, turns) @ early
     return bool(np.max(abs(late - carried)) <= _CARRIED * np.max(abs(late)))
 

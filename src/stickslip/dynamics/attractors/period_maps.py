@@ -22,6 +22,7 @@ from stickslip.dynamics.exponents.motion_exponents import exponents_from
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, over_chunks
 from stickslip.dynamics.stroboscopic.refusals import needs_model
+from stickslip.dynamics.stroboscopic.return_maps import on_section
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over, strobe_map
 
 if TYPE_CHECKING:
@@ -93,7 +94,7 @@ def chaos_map(
 
     axes, most = _axes(arguments, settle, limit, periods, workers)
     robots = family("chaos_map", make, tuple(axes), {name: value for name, value in arguments.items() if name not in axes})
-    needs_model("chaos_map", robots.robot(*(axis[0] for axis in axes.values())))
+    needs_model("chaos_map", robots.robot(*(axis[0] for axis in axes.values())), sections=True)
     grid = [column.ravel() for column in np.meshgrid(*axes.values(), indexing="ij")]
     size = grid[0].size
     whole = [
@@ -146,12 +147,12 @@ def _looked_at(
     """Period, mean velocity, motion, exponent, its error and drive periods of a part of the grid."""
     cases = len(values[0])
     model = spread_over(robots.robots(*values), cases)
-    at = coordinates(robots.robot(*(column[0] for column in values)))
+    at = on_section(model, coordinates(robots.robot(*(column[0] for column in values))))
     settled = settled_motions(model, states_of(start, model), at, settle, limit, rtol, groups=np.arange(cases), exponents=periods)
     tell(0.7)
-    V = features_of(np.asarray(model.period, float), settled, at).mean_velocity
+    V = features_of(None if model.period is None else np.asarray(model.period, float), settled, at).mean_velocity
     state, exponent, error = settled.points[:, -1], settled.exponent.copy(), settled.error.copy()
-    followed = not not_followed(model)
+    followed = at.section is None and not not_followed(model)
     for p in np.unique(settled.period[settled.period > 0]):
         members = np.flatnonzero(settled.period == p)
         some = some_of(model, members)
@@ -159,7 +160,7 @@ def _looked_at(
             exponent[members], error[members] = _by_multipliers(some, state[members], int(p), at.scales, rtol)
         else:
             apart = max(1e-7, 100 * rtol)
-            exponent[members], error[members] = exponents_from(some, state[members], periods, rtol=rtol, apart=apart)
+            exponent[members], error[members] = exponents_from(some, state[members], periods, rtol=rtol, apart=apart, at=at.of(members))
     return settled.period, V, settled.kind, exponent, error, settled.run
 
 

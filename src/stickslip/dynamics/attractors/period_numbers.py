@@ -57,6 +57,8 @@ def long_period(long: Array, at: Coordinates, tolerance: float) -> int:
 def steady_velocity(ways: Array, period: Array, T: Any) -> Array:
     """Mean velocity [m/s] over the whole motion periods that ways [m] in drive periods T [s] hold (..., points); all where there is none.
 
+    Of returns T is as ways are: each took its own time.
+
     Examples
     --------
     >>> float(steady_velocity(np.array([1.0, 3.0, 1.0]), np.array(2), 0.5))
@@ -64,7 +66,9 @@ def steady_velocity(ways: Array, period: Array, T: Any) -> Array:
     """
     points = ways.shape[-1]
     count = whole_motions(points, period)
-    return np.where(np.arange(points) < count[..., None], ways, 0.0).sum(axis=-1) / (count * T)
+    whole = np.arange(points) < count[..., None]
+    time = count * T if np.shape(T) != np.shape(ways) else np.where(whole, T, 0.0).sum(axis=-1)
+    return np.where(whole, ways, 0.0).sum(axis=-1) / time
 
 
 def whole_motions(points: int, period: Array) -> Array:

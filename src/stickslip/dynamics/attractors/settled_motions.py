@@ -59,6 +59,8 @@ class Settled:
         Largest Lyapunov exponent per drive period and its standard error of what has no period; NaN of what has one.
     run : array (cases,)
         Drive periods until it was recognised, or given up.
+    times : array (cases, points), long_times : dict of array (points,)
+        How long each return to the section took [s], of models without a period; NaN of others.
     why : array of str (cases,)
         Why a start has not settled; empty of others.
     ending : Ending
@@ -75,6 +77,8 @@ class Settled:
     run: Array
     why: Array
     ending: Ending
+    times: Array
+    long_times: dict[int, Array]
 
     @property
     def attracted(self) -> Array:
@@ -84,14 +88,24 @@ class Settled:
     def beginning_with(self, first: Settled) -> Settled:
         """The same with the results of the first starts replaced by those of others."""
         n = len(first.kind)
-        names = ("kind", "period", "points", "ways", "exponent", "error", "run", "why")
-        whole = {name: np.concatenate([getattr(first, name), getattr(self, name)[n:]]) for name in names}
-        return Settled(ending=self.ending, long=first.long | {i: long for i, long in self.long.items() if i >= n}, **whole)
+        names = ("kind", "period", "points", "ways", "times", "exponent", "error", "run", "why")
+        whole: dict[str, Any] = {name: np.concatenate([getattr(first, name), getattr(self, name)[n:]]) for name in names}
+        longs: dict[str, Any] = {
+            name: getattr(first, name) | {i: long for i, long in getattr(self, name).items() if i >= n} for name in ("long", "long_times")
+        }
+        return Settled(ending=self.ending, **longs, **whole)
 
     def reasons(self) -> list[str]:
         """Why starts have not settled, each with the number of starts."""
         left = self.why[self.kind == UNSETTLED]
         return [f"{np.count_nonzero(left == why)} of {len(self.kind)} starts: {why}" for why in dict.fromkeys(left.tolist())]
+
+
+def motion_times(settled: Settled) -> Array:
+    """How long motions of models without a period take until they repeat [s]: array (cases,); NaN of what does not."""
+    p, count = settled.period[:, None], settled.times.shape[1]
+    last = np.arange(count) >= count - p
+    return np.where((p[:, 0] > 0) & (p[:, 0] <= count), np.where(last, settled.times, 0.0).sum(axis=1), np.nan)
 
 
 def checked_limit(problems: Problems, settle: Any, limit: Any) -> int:
@@ -143,7 +157,7 @@ def settled_motions(
     whole = WatchedStarts(at, cases, states.shape[1], points)
 
     def work(part: slice, tell: Callable[[float], None]) -> WatchedStarts:
-        run = StartsRun(some_of(batch, part), np.array(states[part], float), at, rtol, points)
+        run = StartsRun(some_of(batch, part), np.array(states[part], float), at.of(part), rtol, points)
         run.settle(settle, limit, tell)
         run.nudge()
         run.look_long(exponents)
@@ -160,7 +174,8 @@ def settled_motions(
     whole.period[np.isin(whole.kind, (UNSOLVED, RUNS_AWAY, UNSETTLED))] = 0
     why = np.where(whole.kind == UNSETTLED, whole.why, "")
     return Settled(
-        whole.kind, whole.period, whole.points, whole.ways, whole.long, whole.exponent, whole.error, whole.run, why, ending
+        whole.kind, whole.period, whole.points, whole.ways, whole.long, whole.exponent, whole.error, whole.run, why, ending,
+        whole.times, whole.long_times,
     )  # fmt: skip
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,10 +13,10 @@ from stickslip.basics.batch import some_of
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import StickslipError
 from stickslip.basics.status import Status
-from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, PERIODIC, RUNS_AWAY, UNDONE, UNSETTLED, UNSOLVED
+from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, PERIODIC, RUNS_AWAY, STEADY, UNDONE, UNSETTLED, UNSOLVED
 from stickslip.dynamics.attractors.period_numbers import LONGEST, POINTS, periods_of, return_tolerance, rows_of_points
 from stickslip.dynamics.exponents.motion_exponents import exponents_from
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, strobe_map, strobe_orbit
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, strobe_map, strobe_points
 from stickslip.engine.texts import recurrence
 from stickslip.models.switching_flow import is_flow
 
@@ -27,6 +28,9 @@ ERRORS = 3.0  # a positive exponent is so many of its standard errors from zero
 NUDGE, NUDGED = 1e-6, 128  # in scales: how far a start is moved aside, and for how many drive periods it is watched then
 _EARLY = 24  # drive periods after which it is asked whether a state stands still to the last bit
 _FAR = 1e4  # in scales: a state beyond this, which has grown by half in each of the last stages, runs away
+_ROUNDING = 1e-14  # in scales: what a return to a section makes of a state that comes back
+_WITHIN = 0.37  # of a return: the instant at which a motion that is no rest is somewhere else
+_STILL = 10.0  # times the tolerance of returns: what moves by less stands still
 _HALVINGS = 30  # of a drive period, in search of the instant at which a run ends
 
 
@@ -35,19 +39,21 @@ class WatchedStarts:
 
     def __init__(self, at: Coordinates, cases: int, d: int, points: int):
         self.at, self.count = at, points
-        self.points, self.ways = np.full((cases, points, d), np.nan), np.full((cases, points), np.nan)
+        self.points, self.ways, self.times = np.full((cases, points, d), np.nan), *np.full((2, cases, points), np.nan)
         self.kind, self.period = np.full(cases, NOT_COMPUTED, dtype="<U16"), np.full(cases, UNDONE)
         self.exponent, self.error, self.run = np.full(cases, np.nan), np.full(cases, np.nan), np.zeros(cases, int)
-        self.why, self.long = np.full(cases, "", dtype="<U200"), dict[int, Array]()
+        self.why, self.long, self.long_times = np.full(cases, "", dtype="<U200"), dict[int, Array](), dict[int, Array]()
         self.grows = np.zeros(cases, bool)  # far away, and ever farther
         self.leaves = np.zeros(cases)  # how many times as large a nudge has become, of starts that never moved from a periodic motion
         self.half, self.end = np.zeros(cases, bool), np.zeros(cases, bool)  # irregular when the second half of the run began, at its end
 
     def put(self, part: slice, watched: WatchedStarts) -> None:
         """Note what is known of a part."""
-        for name in ("points", "ways", "kind", "period", "exponent", "error", "run", "why", "grows", "leaves", "half", "end"):
+        names = ("points", "ways", "times", "kind", "period", "exponent", "error", "run", "why", "grows", "leaves", "half", "end")
+        for name in names:
             getattr(self, name)[part] = getattr(watched, name)
         self.long |= {part.start + i: long for i, long in watched.long.items()}
+        self.long_times |= {part.start + i: times for i, times in watched.long_times.items()}
 
 
 class StartsRun:
@@ -70,15 +76,32 @@ class StartsRun:
             if total >= limit:
                 break
             step, rows = min(total, limit - total), self.left
-            self._take(rows, _later(some_of(self.batch, rows), self.watched.points[rows, -1], step, self.rtol, count), total + step)
+            self._take(
+                rows,
+                _later(some_of(self.batch, rows), self.watched.points[rows, -1], self.at.of(rows), step, self.rtol, count),
+                total + step,
+            )
             total += step
             tell(0.2 + 0.4 * total / limit)
         self.watched.end[self.left] = ~self._closing_in(self.left)
+        self._mark_what_stands_still()
+
+    def _mark_what_stands_still(self) -> None:
+        """Of a model without a period: a state that comes back because it does not change is no oscillation."""
+        watched = self.watched
+        rows = np.flatnonzero((watched.kind == PERIODIC) & (watched.period == 1))
+        if self.at.section is None or not len(rows):
+            return
+        own, states = self.at.of(rows), watched.points[rows, -1]
+        soon = replace(own, section=replace(own.section, longest=_WITHIN * watched.times[rows, -1]))
+        within = strobe_map(some_of(self.batch, rows), states, 1, self.rtol, soon).state
+        still = rows[own.distance(within, states) <= _STILL * self.tolerance]
+        watched.kind[still], watched.period[still] = STEADY, 0
 
     def _take(self, rows: Array, result: tuple[Any, ...], total: int) -> None:
         """Note what a look shows: what repeats is settled, what is not solved has ended, and the rest is left."""
         watched = self.watched
-        watched.points[rows], watched.ways[rows], good = result
+        watched.points[rows], watched.ways[rows], watched.times[rows], good = result
         fine = good & np.isfinite(watched.points[rows]).all(axis=(1, 2))
         period = np.where(fine, periods_of(watched.points[rows], self.at.scales, self.tolerance), 0)
         watched.period[rows], watched.run[rows] = period, total
@@ -101,9 +124,10 @@ class StartsRun:
         if not len(rows):
             return
         states, nudge = watched.points[rows, -1], np.zeros(len(at.names))
-        nudge[: at.smooth] = NUDGE * (-1.0) ** np.arange(at.smooth)
+        nudge[at.free] = NUDGE * (-1.0) ** np.arange(len(at.free))
         both = np.vstack([states, states + nudge * at.scales])
-        after = strobe_map(some_of(self.batch, np.tile(rows, 2)), both, NUDGED, self.rtol).state
+        twice = np.tile(rows, 2)
+        after = strobe_map(some_of(self.batch, twice), both, NUDGED, self.rtol, at.of(twice)).state
         with np.errstate(invalid="ignore"):
             watched.leaves[rows] = np.nan_to_num(at.distance(after[len(rows) :], after[: len(rows)]) / NUDGE)
 
@@ -112,11 +136,13 @@ class StartsRun:
         watched, rows = self.watched, self.left
         if len(rows):
             model, begun, count = some_of(self.batch, rows), watched.points[rows, -1], max(STRETCH, watched.count)
-            kept, ways = strobe_orbit(model, begun, count, self.rtol)
+            kept, ways, times = strobe_points(model, begun, count, self.rtol, self.at.of(rows))
             states = np.moveaxis(kept, 0, 1)
+            watched.long_times = {int(i): time for i, time in zip(rows, times.T, strict=True)}
             watched.long = {int(i): np.column_stack([state, way]) for i, state, way in zip(rows, states, ways.T, strict=True)}
             good = np.isfinite(states).all(axis=(1, 2))
-            self._take(rows, (states[:, -watched.count :], ways.T[:, -watched.count :], good), int(watched.run[rows].max()) + count)
+            last = slice(-watched.count, None)
+            self._take(rows, (states[:, last], ways.T[:, last], times.T[:, last], good), int(watched.run[rows].max()) + count)
             rows = self.left
         if len(rows):
             start, apart = np.array([watched.long[int(i)][0, :-1] for i in rows]), max(1e-7, 100 * self.rtol)
@@ -125,7 +151,7 @@ class StartsRun:
                 unsure = np.flatnonzero(~(abs(value) > ERRORS * error))
                 if len(unsure):
                     own = some_of(self.batch, rows[unsure])
-                    exponents_now = exponents_from(own, start[unsure], periods, rtol=self.rtol, apart=apart)
+                    exponents_now = exponents_from(own, start[unsure], periods, rtol=self.rtol, apart=apart, at=self.at.of(rows[unsure]))
                     watched.exponent[rows[unsure]], watched.error[rows[unsure]] = exponents_now
             sizes = np.array(self.sizes[-3:])[:, rows]
             watched.grows[rows] = (sizes[-1] > _FAR) & np.all(sizes[1:] > 1.5 * sizes[:-1], axis=0)
@@ -139,7 +165,7 @@ class StartsRun:
         first = abs(state[:, :smooth]) / self.at.scales[:smooth]
         with suppress(StickslipError), np.errstate(all="ignore"):
             for _ in range(POINTS):
-                after = strobe_map(model, state, 1, self.rtol).state
+                after = strobe_map(model, state, 1, self.rtol, self.at.of(rows)).state
                 fine = np.isfinite(after).all(axis=1)
                 state[fine] = after[fine]
                 if not fine.any():
@@ -149,39 +175,46 @@ class StartsRun:
         return np.asarray(most > np.minimum(_FAR, 1e2 * (1.0 + first.max(axis=1, initial=0.0))))  # squared, a number is soon infinite
 
 
-def _first(model: Model, states: Array, at: Coordinates, settle: int, rtol: float, points: int, tell: Any) -> tuple[Array, Array, Array]:
-    """Strobe points (cases, points, d), ways (cases, points) after settling, and which cases could be solved."""
+def _first(model: Model, states: Array, at: Coordinates, settle: int, rtol: float, points: int, tell: Any) -> tuple[Array, ...]:
+    """Strobe points (cases, points, d), ways and times (cases, points) after settling, and which cases could be solved."""
     early = min(settle, _EARLY)
-    begun = strobe_map(model, states, early, rtol)
-    kept, made = _still(model, begun.state, rtol, points)
+    begun = strobe_map(model, states, early, rtol, at)
+    kept, made, times = _still(model, begun.state, at, rtol, points)
     good = begun.status <= Status.REPEATS
     tell(0.2)
     late = np.flatnonzero(np.isnan(made[:, 0]))
     if len(late):
-        kept[late], made[late], solved = _later(some_of(model, late), begun.state[late], settle - early, rtol, points)
+        kept[late], made[late], times[late], solved = _later(
+            some_of(model, late), begun.state[late], at.of(late), settle - early, rtol, points
+        )
         good[late] &= solved
-    return kept, made, good
+    return kept, made, times, good
 
 
-def _still(model: Model, states: Array, rtol: float, points: int) -> tuple[Array, Array]:
-    """Strobe points and ways of those states that the strobe map does not change by a single bit: all later points are the same.
+def _still(model: Model, states: Array, at: Coordinates, rtol: float, points: int) -> tuple[Array, ...]:
+    """Strobe points, ways and times of those states that the strobe map does not change by a single bit: all later points are the same.
+
+    A section is met to rounding only, and so are states on it.
 
     NaN of all others.
     """
-    end = strobe_map(model, states, 1, rtol)
+    end = strobe_map(model, states, 1, rtol, at)
     still = np.all(end.state == states, axis=1)
+    if at.section is not None:
+        still |= at.distance(end.state, states) <= _ROUNDING
     kept, ways = np.where(still[:, None], states, np.nan), np.where(still, end.displacement, np.nan)
-    return np.repeat(kept[:, None], points, axis=1), np.repeat(ways[:, None], points, axis=1)
+    times = np.full(len(states), np.nan) if end.duration is None else end.duration
+    return tuple(np.repeat(each[:, None], points, axis=1) for each in (kept, ways, times))
 
 
-def _later(model: Model, states: Array, periods: int, rtol: float, points: int) -> tuple[Array, Array, Array]:
-    """Strobe points and ways after some more drive periods, and what could be solved."""
+def _later(model: Model, states: Array, at: Coordinates, periods: int, rtol: float, points: int) -> tuple[Array, ...]:
+    """Strobe points, ways and times after some more drive periods, and what could be solved."""
     good = np.full(len(states), True)
     if periods:
-        end = strobe_map(model, states, periods, rtol)
+        end = strobe_map(model, states, periods, rtol, at)
         states, good = end.state, end.status <= Status.REPEATS
-    kept, made = strobe_orbit(model, states, points, rtol)
-    return np.moveaxis(kept, 0, 1), made.T, good
+    kept, made, times = strobe_points(model, states, points, rtol, at)
+    return np.moveaxis(kept, 0, 1), made.T, times.T, good
 
 
 def _before_end(flow: SwitchingFlow, states: Array) -> Array:

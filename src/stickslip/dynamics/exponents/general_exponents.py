@@ -42,7 +42,7 @@ class Lyapunov(Drawn):
     record : array (m, 1 + n)
         How they converged: time so far (in units) and the exponents until then.
     unit : str
-        Unit of time: "drive period", "iteration" or "time".
+        Unit of time: "drive period", "second", "iteration" or "time".
     steps : int
         Number of units that they were averaged over.
     note : str

@@ -21,7 +21,8 @@ from stickslip.dynamics.periodic.closed_orbits import resting
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, over_chunks
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, flight, refuse_chance, strobe_map, strobe_states
+from stickslip.dynamics.stroboscopic.return_maps import on_section
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, flight, refuse_chance, strobe_map, strobe_points, strobe_states
 from stickslip.engine.tangent import with_volume
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.switching_flow import is_flow
@@ -50,12 +51,13 @@ def lyapunov(
     rtol: float = 1e-7,
     progress: Report | None = None,
 ) -> Lyapunov:
-    """All Lyapunov exponents of the attractor of a robot, per drive period (natural logarithm).
+    """All Lyapunov exponents of the attractor of a robot, per drive period (natural logarithm); without a period per second.
 
     Small perturbations are propagated along the motion by the tangent equations, through every switch and stop. Under a set-valued law
     a body that comes to rest loses the memory of its velocity, and a controller that of its state at a sample: the exponent is -inf, and
     `note` says so. The 0 of the cyclic position is left out. Directions that contract below rounding error within a period, as those of
-    stiff bristles do, share the remaining rate of volume contraction equally.
+    stiff bristles do, share the remaining rate of volume contraction equally. A machine without a period is followed from return to return
+    to its section, which take the place of drive periods; if it oscillates one exponent is 0, that along the motion.
 
     Parameters
     ----------
@@ -93,6 +95,8 @@ def exponents_along(model: Model, periods: int, settle: int, start: Any, rtol: f
     """The exponents of `lyapunov`, and whether they are averages over fewer periods, as it was interrupted."""
     if is_flow(model):
         return _of_flow(model, periods, settle, start), False
+    if model.period is None:
+        return _between_returns(model, periods, settle, start, rtol, progress)
     state = state_after(model, start, settle, rtol)
     run = flight(model, state[0], _ALIGN, rtol)  # its growth is left out: the frame turns into place
     state, Q, logs, parts = strobe_states(run)[-1:], _growth(run, np.eye(coordinates(model).smooth))[1], [], 0
@@ -113,6 +117,36 @@ def exponents_along(model: Model, periods: int, settle: int, start: Any, rtol: f
     return replace(exponents, note="; ".join(filter(None, notes))), ending.interrupted
 
 
+def _between_returns(model: Model, periods: int, settle: int, start: Any, rtol: float, progress: Report | None) -> tuple[Lyapunov, bool]:
+    """The same of a model without a period, from return to return to its section; the exponent along the motion, 0, is among them."""
+    at, d = on_section(model), coordinates(model).smooth
+    state, scales = states_of(start, model), at.scales[:d]
+    state = strobe_map(model, state, settle, rtol, at).state if settle else state
+    Q, parts, watch = np.eye(d), -_ALIGN, Watch(periods, progress)
+    logs: list[Array] = []
+    times: list[float] = []
+    with partial_result() as ending:
+        while parts < periods:
+            look()
+            count = _ALIGN if parts < 0 else min(_CHUNK, periods - parts)
+            points, _, took = strobe_points(model, state, count, rtol, at)
+            begins, state = np.vstack([state, points[:-1, 0]]), points[-1]
+            changes = changes_along(
+                model, np.repeat(begins, d, axis=0), np.tile(np.diag(scales), (count, 1)), rtol=rtol, span=np.repeat(took[:, 0], d),
+                made=with_volume,
+            )  # fmt: skip
+            for M, volume in zip((changes.change / scales).reshape(count, d, d).transpose(0, 2, 1), changes.volume[::d], strict=True):
+                Q, own = grown(M, Q)
+                logs.append(_grown(own, volume, 0))
+            times += took[:, 0].tolist()
+            parts += count
+            watch.finished(0, np.zeros(max(count if parts > 0 else 0, 0), int))
+    ending.needs(parts >= _LEAST)
+    exponents = _summary(np.array(logs[_ALIGN:]), float(np.mean(times[_ALIGN:])), "second")
+    notes = ending.note(f"averages over {parts} of {periods} returns"), exponents.note
+    return replace(exponents, note="; ".join(filter(None, notes))), ending.interrupted
+
+
 def _of_flow(flow: Any, periods: int, settle: int, start: Any) -> Lyapunov:
     """The same of a flow, from the derivative that its tangent gives of each period."""
     state, T = state_after(flow, start, settle, 1e-12)[0], float(flow.period)
@@ -128,7 +162,7 @@ def state_after(model: Model, start: Any, settle: int, rtol: float) -> Array:
 
 def check_exponents(model: Model, periods: Any, settle: Any) -> None:
     """Refuse what has no exponents here, and lengths that are none."""
-    needs_model("lyapunov", model, flows=True)
+    needs_model("lyapunov", model, flows=True, sections=True)
     if not is_flow(model):
         refuse_chance(machine_of(model))
         if why := not_followed(model):
@@ -151,11 +185,11 @@ _TOUCHED = (
 )
 
 
-def _summary(logs: Array) -> Lyapunov:
+def _summary(logs: Array, time: float = 1.0, unit: str = "drive period") -> Lyapunov:
     """The result; an exponent that is -inf in any period is -inf, comes last, and has no error."""
     dead = np.isneginf(logs).any(axis=0)
     with np.errstate(invalid="ignore"):
-        exponents = gathered(np.where(dead, -np.inf, logs), 1.0, "drive period")
+        exponents = gathered(np.where(dead, -np.inf, logs), time, unit)
     if np.isnan(logs).any():
         return replace(exponents, note=_TOUCHED)
     if not dead.any():
@@ -270,23 +304,27 @@ def largest_exponents(
     return whole[0], whole[1]
 
 
-def exponents_from(model: Model, state: Array, periods: int, *, rtol: float, apart: float) -> tuple[Array, Array]:
+def exponents_from(
+    model: Model, state: Array, periods: int, *, rtol: float, apart: float, at: Coordinates | None = None
+) -> tuple[Array, Array]:
     """The same from strobe states (cases, coordinates), one for each case of a batch; nothing is checked."""
     whole = np.full((2, len(state)), np.nan)
-    for part, values in _parts_apart(model, state, periods, 0, rtol, apart, 1, None):
+    for part, values in _parts_apart(model, state, periods, 0, rtol, apart, 1, None, at):
         whole[:, part] = values
     return whole[0], whole[1]
 
 
 def _parts_apart(
-    model: Model, state: Array, periods: int, settle: int, rtol: float, apart: float, workers: int, progress: Report | None
-) -> Iterator[tuple[slice, tuple[Array, Array]]]:
+    model: Model, state: Array, periods: int, settle: int, rtol: float, apart: float, workers: int, progress: Report | None,
+    at: Coordinates | None = None,
+) -> Iterator[tuple[slice, tuple[Array, Array]]]:  # fmt: skip
     """Exponents and errors of a batch, part by part."""
-    at = coordinates(model)
+    known = coordinates(model) if at is None else at
 
     def apart_by(part: slice, tell: Callable[[float], None]) -> tuple[Array, Array]:
         some = some_of(model, part)
-        begun = strobe_map(some, state[part], settle, max(rtol, 1e-8)).state if settle else state[part]
+        at = known.of(part)
+        begun = strobe_map(some, state[part], settle, max(rtol, 1e-8), at).state if settle else state[part]
         tell(settle / (settle + 3.0 * (_ALIGN + periods)))
         return _apart_by(some, begun, at, periods, rtol, apart, tell)
 
@@ -296,19 +334,22 @@ def _parts_apart(
 def _apart_by(model: Model, state: Array, at: Coordinates, periods: int, rtol: float, apart: float, tell: Any) -> tuple[Array, Array]:
     """The mean growth of the distance of two neighbours per drive period, and its error, for some cases."""
     cases = len(state)
-    both = some_of(model, np.tile(np.arange(cases), 2))
+    twice = np.tile(np.arange(cases), 2)
+    both, of_both = some_of(model, twice), at.of(twice)
     d = at.smooth
-    scales = at.scales[:d]
-    away, other = np.tile(apart * scales / np.sqrt(d), (cases, 1)), state[:, d:]
+    scales, free = at.scales[:d], np.isin(np.arange(d), at.free)
+    root = np.sqrt(max(len(at.free), 1))
+    even = np.where(free, 1 / root, 0.0)
+    away, other = np.tile(np.where(free, apart * scales / root, 0.0), (cases, 1)), state[:, d:]
     logs = np.empty((_ALIGN + periods, cases))
     for k in range(_ALIGN + periods):
         if k % 16 == 15:
             tell(k / (_ALIGN + periods))
-        ends = strobe_map(both, np.vstack([state, np.hstack([state[:, :d] + away, other])]), 1, rtol).state
-        state, other, gap = ends[:cases], ends[cases:, d:], (ends[cases:, :d] - ends[:cases, :d]) / scales
+        ends = strobe_map(both, np.vstack([state, np.hstack([state[:, :d] + away, other])]), 1, rtol, of_both).state
+        state, other, gap = ends[:cases], ends[cases:, d:], np.where(free, (ends[cases:, :d] - ends[:cases, :d]) / scales, 0.0)
         size = np.linalg.norm(gap, axis=1)
         with np.errstate(divide="ignore"):
             logs[k] = np.log(size / apart)
-        away = np.where(size[:, None] > 0, gap / np.where(size > 0, size, 1.0)[:, None], 1 / np.sqrt(d)) * apart * scales
+        away = np.where(size[:, None] > 0, gap / np.where(size > 0, size, 1.0)[:, None], even) * apart * scales
     logs = logs[_ALIGN:]
     return logs.mean(axis=0), error_of_mean(np.where(np.isfinite(logs), logs, 0.0))

@@ -18,9 +18,10 @@ from stickslip.basics.variables import unit_of
 from stickslip.dynamics.derivatives.tangents import changes_along, jacobian_of, not_followed, orders_differ
 from stickslip.dynamics.flows.flow_orbits import FlowOrbit, flow_orbit
 from stickslip.dynamics.periodic.closed_orbits import NEUTRAL, ClosedMotion, multipliers_of, resting
+from stickslip.dynamics.periodic.cycle_sections import TURN, Section
 from stickslip.dynamics.periodic.drifting import drift_sentence
 from stickslip.dynamics.periodic.given_states import states_of
-from stickslip.dynamics.periodic.limit_cycles import limit_cycle
+from stickslip.dynamics.periodic.limit_cycles import LimitCycle, limit_cycle
 from stickslip.dynamics.periodic.newton import STEP, Root, newton_within
 from stickslip.dynamics.stroboscopic.differences import at_limits, beyond_limits, difference_jacobian
 from stickslip.dynamics.stroboscopic.refusals import needs_model
@@ -136,7 +137,8 @@ class PeriodicOrbit(ClosedMotion):
     @cached_property
     def motion(self) -> Motion | Motions:
         """The result of `ss.motion`."""
-        return motion(self.run)
+        own: Any = motion(self.run)
+        return own
 
     @property
     def type(self) -> str:
@@ -259,6 +261,23 @@ def periodic_orbit(
         why = f"Newton's method went to a state whose {', '.join(beyond)} is beyond the limit at which a memory of the law switches"
         raise SolveError(f"no motion of period {period} was found: {why}, to which no run leads; give guess=ss.solve(robot, periods=200)")
     raise SolveError(_failure(model, int(period), tried, guess))
+
+
+def orbit_near(model: Model, period: int, state: Array, at: Coordinates) -> PeriodicOrbit | LimitCycle | FlowOrbit:
+    """The orbit near a strobe point, or near a point on the section of a model without a period."""
+    if at.section is None:
+        return periodic_orbit(model, period, guess=state)
+    took = float(strobe_map(model, state[None, :], period, 1e-10, at).duration[0])
+    turns = machine_of(model).is_single and at.section.name == "v"
+    section = TURN if turns else Section(at.section.index, float(at.section.value))
+    return limit_cycle(model, period, LimitCycle(model, period, state, took, np.nan, RTOL, section=section))
+
+
+def derivative_of(orbit: Any, at: Coordinates) -> Array:
+    """The derivative of the strobe map, or of the return map, along an orbit."""
+    if at.section is None:
+        return np.asarray(orbit.monodromy, float)
+    return difference_jacobian(orbit.model, orbit.state, orbit.period, orbit.rtol, at=at)
 
 
 def _orbit_of_flow(flow: Any, period: int, guess: Any) -> FlowOrbit:

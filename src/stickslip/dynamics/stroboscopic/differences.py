@@ -24,9 +24,12 @@ _ONE_SIDED = np.array([-1.5, 2.0, -0.5])  # of values at 0, 1 and 2 steps: the s
 
 
 def difference_jacobian(
-    model: Model, state: Numeric, periods: int = 1, rtol: float = 1e-12, step: float = STEP, span: float | None = None
-) -> Array:
+    model: Model, state: Numeric, periods: int = 1, rtol: float = 1e-12, step: float = STEP, span: float | None = None,
+    at: Coordinates | None = None,
+) -> Array:  # fmt: skip
     """The derivative of the strobe map by differences of one batch, central ones where both sides are; memories are kept as they are.
+
+    On a section its coordinate stays what it is, and has neither row nor column.
 
     Parameters
     ----------
@@ -38,10 +41,10 @@ def difference_jacobian(
     array (states, states)
         A column is NaN where the law goes on on neither side.
     """
-    at = coordinates(model)
-    d, state = at.smooth, np.asarray(state, float)
-    shifts = np.eye(d, len(at.names)) * (step * at.scales)
-    sides = open_sides(model, state, step, at)
+    at = coordinates(model) if at is None else at
+    free, state = at.free, np.asarray(state, float)
+    d, shifts = len(free), np.eye(len(at.names))[free] * (step * at.scales)
+    sides = open_sides(model, state, step, at)[free]
     weights = np.zeros((d, 5))  # of the values at -2, -1, 0, 1 and 2 steps
     weights[sides.all(axis=1)] = [0.0, -0.5, 0.0, 0.5, 0.0]
     weights[sides[:, 1] & ~sides[:, 0], 2:] = _ONE_SIDED
@@ -50,10 +53,10 @@ def difference_jacobian(
     ends = np.full((d, d), np.nan)
     if len(which):
         states = state + (steps - 2)[:, None] * shifts[which]
-        after = (strobe_map(model, states, periods, rtol) if span is None else flow_map(model, states, span, rtol)).state[:, :d]
+        after = (strobe_map(model, states, periods, rtol, at) if span is None else flow_map(model, states, span, rtol)).state[:, free]
         for i in np.unique(which):
             own = which == i
-            ends[:, i] = weights[i, steps[own]] @ after[own] / (step * at.scales[i])
+            ends[:, i] = weights[i, steps[own]] @ after[own] / (step * at.scales[free[i]])
     return ends
 
 

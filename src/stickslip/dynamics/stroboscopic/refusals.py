@@ -17,8 +17,11 @@ from stickslip.models.machine_adapter import is_machine, machine_of
 from stickslip.models.switching_flow import is_flow
 
 
-def needs_model(what: str, model: Model, driven: bool = True, batch: bool = False, flows: bool = False) -> None:
-    """Say what to type where something else than one robot (or, with `batch`, than one or many) was given; `flows` may be given too."""
+def needs_model(what: str, model: Model, driven: bool = True, batch: bool = False, flows: bool = False, sections: bool = False) -> None:
+    """Say what to type where something else than one robot (or, with `batch`, than one or many) was given; `flows` may be given too.
+
+    With `sections` a machine without a period is looked at on a section.
+    """
     flow = is_flow(model)
     if flow and not flows:
         taken = (
@@ -37,6 +40,7 @@ def needs_model(what: str, model: Model, driven: bool = True, batch: bool = Fals
     if flow:
         _needs_period(what, model)
         return
+    driven = driven and not (sections and model.period is None)
     if driven and model.period is None:
         why = f"{type(model).__name__} has no period, so it has no strobe; allowed are models with a periodic drive"
         cycle = "for its limit cycle type ss.periodic_orbit(mechanism), to follow it ss.continuation"

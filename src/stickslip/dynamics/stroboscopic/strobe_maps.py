@@ -8,6 +8,7 @@ their positions are coordinates, and the way made is that of their centre of mas
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -51,11 +52,22 @@ class Coordinates:
     memories: int = 0  # the last so many coordinates are whole numbers that laws remember
     mechanics: Any = None  # of a machine of several bodies: it knows their names
     wavelength: float | None = None  # of one body: its position counts modulo this, as the track repeats [m]
+    section: Any = None  # of a model without a period: where its motions are looked at (see return_maps.py)
 
     @property
     def smooth(self) -> int:
         """How many coordinates are not memories."""
         return len(self.names) - self.memories
+
+    @property
+    def free(self) -> Array:
+        """The coordinates that are no memories, and vary on the section if there is one: their places."""
+        places = np.arange(self.smooth)
+        return places if self.section is None else np.delete(places, self.section.index)
+
+    def of(self, cases: Any) -> Coordinates:
+        """The same for some cases of a batch, each of which has its own section where there is one."""
+        return self if self.section is None else replace(self, section=self.section.of(cases))
 
     @property
     def inner_states(self) -> int:
@@ -124,6 +136,7 @@ class Ends:
     v_max: Array
     v_min: Array
     segments: tuple[tuple[Array, Array, Array], ...] = ()  # of each contact (see segments.py), in the last drive period
+    duration: Any = None  # of returns to a section: how long they took [s]
 
     @property
     def patterns(self) -> tuple[Array, ...]:
@@ -271,6 +284,10 @@ def _map_of(model: Model, rtol: float, at: Coordinates | None) -> Callable[[Arra
         return partial(_of_flow, model)
     machine = machine_of(model)
     refuse_chance(machine)
+    if at is not None and at.section is not None:
+        from stickslip.dynamics.stroboscopic.return_maps import return_map
+
+        return return_map(model, rtol, at)
     if not all(law.compiles for law in machine.laws):
         return lambda states, periods: _one_by_one(model, states, periods, rtol)
     return partial(_by_arcs, model) if has_arcs(model) else _map_by_lanes(model, rtol, coordinates(model) if at is None else at)
@@ -505,13 +522,22 @@ def as_it_ends(at: Coordinates, state: Array, end: Array) -> Array:
     return settled
 
 
-def strobe_orbit(model: Model, states: ArrayLike, count: int, rtol: float = 1e-9) -> tuple[Array, Array]:
+def strobe_orbit(model: Model, states: ArrayLike, count: int, rtol: float = 1e-9, at: Coordinates | None = None) -> tuple[Array, Array]:
     """The states and the displacement of `count` periods in a row: arrays (count, cases, coordinates) and (count, cases)."""
-    state, kept, ways = np.atleast_2d(np.asarray(states, float)), [], []
-    mapped = _map_of(model, rtol, None)
+    kept, ways, _ = strobe_points(model, states, count, rtol, at)
+    return kept, ways
+
+
+def strobe_points(
+    model: Model, states: ArrayLike, count: int, rtol: float = 1e-9, at: Coordinates | None = None
+) -> tuple[Array, Array, Array]:
+    """The same, and how long each return to a section took [s] (count, cases): NaN of drive periods."""
+    state, kept, ways, times = np.atleast_2d(np.asarray(states, float)), [], [], []
+    mapped = _map_of(model, rtol, at)
     for _ in range(count):
         end = mapped(state, 1)
         state = end.state
         kept.append(state)
         ways.append(end.displacement)
-    return np.array(kept), np.array(ways)
+        times.append(np.full(len(state), np.nan) if end.duration is None else end.duration)
+    return np.array(kept), np.array(ways), np.array(times)
