@@ -462,7 +462,7 @@ def test_a_state_that_the_strobe_map_does_not_change_by_a_bit_is_not_run_on_and_
     end = strobe_map(alone, states, settle, 1e-9)
     points, ways = strobe_orbit(alone, end.state, 64, 1e-9)
     asked = []
-    monkeypatch.setattr(starts_run_on, "strobe_orbit", lambda *rest: asked.append(rest) or strobe_orbit(*rest))
+    monkeypatch.setattr(starts_run_on, "strobe_points", lambda *rest: asked.append(rest) or strobe_points(*rest))
     found = rule.settled_motions(alone, states, coordinates(alone), settle, settle, 1e-9)
     assert np.array_equal(found.points, np.moveaxis(points, 0, 1)) and np.array_equal(found.ways, ways.T)
     assert (found.kind == "periodic").all()

@@ -15,7 +15,7 @@ from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.interruption import interruptible, look, partial_result
 from stickslip.dynamics.attractors.basins import Attractor, grid_of, on_grid, start_axes, wilson
 from stickslip.dynamics.attractors.bifurcation_diagrams import checked_values, state_attrs
-from stickslip.dynamics.attractors.kinds_of_motion import OF_MOTIONS, RUNS_AWAY, UNDONE, UNSETTLED, UNSOLVED
+from stickslip.dynamics.attractors.kinds_of_motion import RUNS_AWAY, UNDONE, UNSETTLED, UNSOLVED, of_motions
 from stickslip.dynamics.attractors.mirror_images import mirror_images
 from stickslip.dynamics.attractors.motion_features import Features, features_of, motion_numbers
 from stickslip.dynamics.attractors.settled_motions import Settled, settled_motions
@@ -288,8 +288,8 @@ def _dataset(robots: Family, parameter: str, values: Array, tracks: list[_Track]
     both, flow = ("attractor", parameter), is_flow(robots.robot(values[0]))
     about = (
         OF_ATTRACTORS
-        | {name: OF_MOTIONS[name] for name in ("exponent", "error")}
-        | {name: state_attrs(name, "on the strobe", flow) for name in at.names}
+        | {name: of_motions(at.section is not None)[name] for name in ("exponent", "error")}
+        | {name: state_attrs(name, "on the strobe" if at.section is None else "on the section", flow) for name in at.names}
     )
     columns: dict[str, Any] = {name: (both, numbers[..., i], attrs) for i, (name, attrs) in enumerate(about.items())}
     columns |= {

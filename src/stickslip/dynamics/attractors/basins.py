@@ -17,7 +17,7 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible
 from stickslip.basics.notebook_display import Drawn
 from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
-from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, OF_MOTIONS, PERIODIC, STEADY, UNSETTLED
+from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, PERIODIC, STEADY, UNSETTLED, of_motions
 from stickslip.dynamics.attractors.mirror_images import image_in_words, mirror_images
 from stickslip.dynamics.attractors.motion_features import Features, features_of, motion_numbers
 from stickslip.dynamics.attractors.settled_motions import Settled, checked_limit, settled_motions
@@ -40,9 +40,9 @@ class Attractor:
     Parameters
     ----------
     kind : str
-        "periodic", "quasi-periodic" or "chaotic".
+        "periodic", "quasi-periodic" or "chaotic"; of a machine without a period also "steady": its state does not change.
     period : int
-        Drive periods until it repeats; 0 where it does not.
+        Drive periods until it repeats, or returns to the section; 0 where it does not.
     mean_velocity : float
         V [m/s]; nan of a flow, which makes no way.
     state : array
@@ -295,8 +295,10 @@ def _gathered(model: Model, axes: dict[str, Array], settled: Settled, at: Coordi
         **({} if flow else {"mean_velocity": (dims, motions.mean_velocity.reshape(shape), {"units": "m/s", "long_name": "mean velocity"})}),
         "period": (dims, settled.period.reshape(shape), {"units": "1", "long_name": "motion period (0: none, -1: not computed)"}),
         **{
-            name: (dims, column.reshape(shape), OF_MOTIONS[name])
-            for name, column in zip(OF_MOTIONS, (settled.kind, settled.exponent, settled.error, settled.run), strict=True)
+            name: (dims, column.reshape(shape), about)
+            for (name, about), column in zip(
+                of_motions(at.section is not None).items(), (settled.kind, settled.exponent, settled.error, settled.run), strict=True
+            )
         },
     }
     phase = {"long_name": "phase of the drive at the start", "units": "1"}

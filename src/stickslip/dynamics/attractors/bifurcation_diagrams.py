@@ -13,7 +13,7 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import floats
 from stickslip.basics.interruption import interruptible, look, partial_result
-from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, OF_MOTIONS, UNDONE
+from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, UNDONE, of_motions
 from stickslip.dynamics.attractors.motion_features import features_of
 from stickslip.dynamics.attractors.period_numbers import POINTS
 from stickslip.dynamics.attractors.settled_motions import checked_limit, motion_times, settled_motions
@@ -188,12 +188,15 @@ def _dataset(how: _Look, parameter: str, values: Array, diagram: dict[str, Array
 
     whole, flat = ("direction", parameter, "point"), ("direction", parameter)
     at, flow = how.at, is_flow(how.robots.robot(values[0]))
-    columns: dict[str, Any] = {n: (whole, diagram["points"][..., i], state_attrs(n, "on the strobe", flow)) for i, n in enumerate(at.names)}
+    columns: dict[str, Any] = {
+        n: (whole, diagram["points"][..., i], state_attrs(n, "on the strobe" if at.section is None else "on the section", flow))
+        for i, n in enumerate(at.names)
+    }
     if not flow:  # which makes no way
         columns["displacement"] = (whole, diagram["displacement"], {"units": "m", "long_name": "displacement in a drive period"})
         columns["mean_velocity"] = (flat, diagram["mean_velocity"], {"units": "m/s", "long_name": "mean velocity"})
     columns["period"] = (flat, diagram["period"], {"units": "1", "long_name": "drive periods until it repeats (0: none, -1: not computed)"})
-    columns |= {name: (flat, diagram[name], attributes) for name, attributes in OF_MOTIONS.items()}
+    columns |= {name: (flat, diagram[name], attributes) for name, attributes in of_motions(at.section is not None).items()}
     if at.mechanics is None and not flow:
         columns["v_max"] = (flat, diagram["v_max"], {"units": "m/s", "long_name": "largest velocity"})
         columns["v_min"] = (flat, diagram["v_min"], {"units": "m/s", "long_name": "smallest velocity"})

@@ -18,3 +18,19 @@ OF_MOTIONS = {
     "error": {"long_name": "standard error of the exponent", "units": "1"},
     "run": {"long_name": "drive periods until it was recognised, or given up", "units": "1"},
 }
+
+
+def of_motions(on_section: bool) -> dict[str, dict[str, str]]:
+    """The same in words of a driven model, or of one that is looked at on a section."""
+    return {name: worded(about, on_section) for name, about in OF_MOTIONS.items()}
+
+
+def worded(attributes: dict[str, str], on_section: bool) -> dict[str, str]:
+    """Attributes of a column in which drive periods are counted; on a section these are returns.
+
+    Examples
+    --------
+    >>> worded({"long_name": "exponent per drive period"}, True)
+    {'long_name': 'exponent per return'}
+    """
+    return {key: text.replace("drive period", "return") for key, text in attributes.items()} if on_section else dict(attributes)

@@ -13,7 +13,7 @@ from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import floats
 from stickslip.basics.interruption import interruptible, partial_result
-from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, OF_MOTIONS, UNDONE
+from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, OF_MOTIONS, UNDONE, worded
 from stickslip.dynamics.attractors.motion_features import features_of
 from stickslip.dynamics.attractors.settled_motions import checked_limit, settled_motions
 from stickslip.dynamics.continuation.one_parameter import Family, family
@@ -94,7 +94,8 @@ def chaos_map(
 
     axes, most = _axes(arguments, settle, limit, periods, workers)
     robots = family("chaos_map", make, tuple(axes), {name: value for name, value in arguments.items() if name not in axes})
-    needs_model("chaos_map", robots.robot(*(axis[0] for axis in axes.values())), sections=True)
+    first = robots.robot(*(axis[0] for axis in axes.values()))
+    needs_model("chaos_map", first, sections=True)
     grid = [column.ravel() for column in np.meshgrid(*axes.values(), indexing="ij")]
     size = grid[0].size
     whole = [
@@ -113,7 +114,10 @@ def chaos_map(
             for column, values in zip(whole, results, strict=True):
                 column[part] = values
     shape = tuple(len(axis) for axis in axes.values())
-    columns = {name: (tuple(axes), column.reshape(shape), _COLUMNS[name]) for name, column in zip(_COLUMNS, whole, strict=True)}
+    columns = {
+        name: (tuple(axes), column.reshape(shape), worded(about, first.period is None))
+        for (name, about), column in zip(_COLUMNS.items(), whole, strict=True)
+    }
     attrs: dict[str, Any] = {"settle": settle, "limit": most, "periods": periods, "rtol": rtol}
     if ending.interrupted:
         attrs["note"] = ending.note(f"{int((whole[0] != UNDONE).sum())} of {whole[0].size} points are computed")

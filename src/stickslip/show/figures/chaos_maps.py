@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 #: Colours of a map of motions by period number, chaotic, quasi-periodic, not settled; distinguishable with any colour vision.
 MOTIONS = {
     "period 1": "#E3ECF4", "2": "#8CC1E0", "3": "#F2C46D", "4": "#3B87BA", "5 to 7": "#663333", "8 and more": "#12456B",
-    "chaotic": "#D55E00", "quasi-periodic": "#6BA368", "not settled": "#9A9A9A", "runs away or not solved": "#1A1014",
+    "chaotic": "#D55E00", "quasi-periodic": "#6BA368", "steady": "#D9C6E3", "not settled": "#9A9A9A", "runs away or not solved": "#1A1014",
 }  # fmt: skip
 _LOWEST = -2.0  # lower exponents all have one colour
 
@@ -37,7 +37,7 @@ def chaos_map(grid: Grid, ax: Ax = None, quantity: str = "motion", curves: Any =
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
     quantity : str
-        "motion": period numbers, and what has no period: chaotic, quasi-periodic, or not settled within the limit.
+        "motion": period numbers, and what has no period: chaotic, quasi-periodic, steady, or not settled within the limit.
         "exponent": the largest exponent, orange where neighbouring motions diverge, violet where they converge.
     curves : Curve or list of Curve
         From `stickslip.special_curve`, in the same two parameters; drawn over the map.
@@ -88,7 +88,7 @@ def _kinds(grid: Any) -> Any:
     """The index of the kind of motion in `MOTIONS` at each point; masked where nothing was computed."""
     period, motion, names = grid.period.values, grid.motion.values, list(MOTIONS)
     kinds = np.where(period > 0, np.searchsorted([1, 2, 3, 4, 7], period, side="left"), len(names) - 1)
-    for word in ("chaotic", "quasi-periodic", "not settled"):
+    for word in ("chaotic", "quasi-periodic", "steady", "not settled"):
         kinds = np.where(motion == word, names.index(word), kinds)
     return np.ma.masked_where(motion == "not computed", kinds)
 
@@ -100,9 +100,14 @@ def _exponents(grid: Any, ax: Axes, x: Array, y: Array) -> list[Any]:
     norm = TwoSlopeNorm(0.0, _LOWEST, max(0.5, float(np.max(values.filled(0.0), initial=0.0))))
     mesh = ax.pcolormesh(edges(x), edges(y), values, cmap="PuOr_r", norm=norm, rasterized=True)
     bar = ax.figure.colorbar(mesh, ax=ax, extend="min", pad=0.02, aspect=28)
-    bar.set_label("largest exponent per drive period")
+    bar.set_label(_exponent_label(grid))
     bar.outline.set_linewidth(0.4)
     return []
+
+
+def _exponent_label(grid: Any) -> str:
+    """What exponents are per: a drive period, or a return to the section of a machine without one."""
+    return f"largest exponent per {'return' if 'return' in grid.exponent.attrs.get('long_name', '') else 'drive period'}"
 
 
 def _over(curves: Any, ax: Axes, across: tuple[str, float], upward: tuple[str, float]) -> list[Any]:
@@ -130,5 +135,5 @@ def _line(grid: Any, ax: Axes) -> Any:
         ax.plot(x[late], y[late], UNSETTLED_MARK, color=UNSETTLED, markersize=4, label="not settled")
         legend_above(ax)
     logarithmic(ax, "x", x)
-    ax.set(xlabel=side, ylabel="largest exponent per drive period")
+    ax.set(xlabel=side, ylabel=_exponent_label(grid))
     return ax
