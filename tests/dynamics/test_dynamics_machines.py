@@ -25,6 +25,7 @@ from stickslip.dynamics.stroboscopic.strobe_maps import (
     state_at_rest,
     strobe_map,
     strobe_orbit,
+    strobe_points,
     strobe_states,
 )
 from stickslip.maths import pi, sin

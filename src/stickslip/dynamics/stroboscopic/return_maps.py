@@ -50,6 +50,10 @@ class ReturnSection:
     direction: float
     longest: Any
 
+    def map_of(self, model: Model, rtol: float, at: Coordinates) -> Callable[[Array, int], Ends]:
+        """The return map of a model, for `strobe_map`."""
+        return return_map(model, rtol, at)
+
     def of(self, cases: Any) -> ReturnSection:
         """The section of some cases of a batch."""
         value, longest = (each[cases] if np.ndim(each) else each for each in (self.value, self.longest))

@@ -285,9 +285,8 @@ def _map_of(model: Model, rtol: float, at: Coordinates | None) -> Callable[[Arra
     machine = machine_of(model)
     refuse_chance(machine)
     if at is not None and at.section is not None:
-        from stickslip.dynamics.stroboscopic.return_maps import return_map
-
-        return return_map(model, rtol, at)
+        returned: Callable[[Array, int], Ends] = at.section.map_of(model, rtol, at)
+        return returned
     if not all(law.compiles for law in machine.laws):
         return lambda states, periods: _one_by_one(model, states, periods, rtol)
     return partial(_by_arcs, model) if has_arcs(model) else _map_by_lanes(model, rtol, coordinates(model) if at is None else at)
