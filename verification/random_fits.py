@@ -22,7 +22,7 @@ import numpy as np
 
 import stickslip as ss
 from stickslip.inverse.identification.law_forces import driven_force
-from stickslip.inverse.identification.motions import Motion
+from stickslip.inverse.identification.motions import PrescribedMotion
 
 Random = np.random.Generator
 STARTS = 16
@@ -77,7 +77,7 @@ def force_record(random: Random, law: Any, gain: float, rho: float | None = None
     """A record of force and position under a load of 10 N."""
     t, x = strokes(random)
     v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
-    force = driven_force(law, Motion(t, v, np.full(len(t), 10.0), np.zeros(len(t)), 0, False, ""))[:, 0]
+    force = driven_force(law, PrescribedMotion(t, v, np.full(len(t), 10.0), np.zeros(len(t)), 0, False, ""))[:, 0]
     start, size = float(x[0]), float(np.std(force))
     at, F = shown(random, t, force, size * 10 ** float(random.uniform(-2.5, -1.2)), gain, colour(random) if rho is None else rho)
     return ss.Record.of(at, {"position [m]": np.interp(at, t - t[0], x) - start, "force [N]": F}, synthetic=True)

@@ -66,6 +66,11 @@ def test_regions_are_those_of_brute_force_at_random_points(found):
     assert set(runs.motion_type) == {"I", "II"} == set(found.regions)
 
 
+def test_the_former_name_of_special_points_is_an_error_that_says_the_new_one(found):
+    with pytest.raises(AttributeError, match="'found'; type special_points"):
+        _ = found.found
+
+
 def test_what_is_kept_is_not_computed_again(found, folder, monkeypatch):
     def never(*arguments):
         raise AssertionError("it computes again")

@@ -7,7 +7,7 @@ import errno
 import math
 import operator
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, TypeGuard
 
@@ -186,6 +186,21 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
 
 
 _INCLINE = 'ss.Incline(tilt="{:g} deg")'
+
+
+def no_attribute(thing: object, name: str, renamed: Mapping[str, str]) -> Any:
+    """What `__getattr__` does where there is no such attribute: an `AttributeError` that says what a renamed one is called now.
+
+    Examples
+    --------
+    >>> no_attribute(1.0, "found", {"found": "special_points"})
+    Traceback (most recent call last):
+    ...
+    AttributeError: float has no 'found'; type special_points
+    """
+    if name in dir(type(thing)):
+        return object.__getattribute__(thing, name)  # a property that failed: its own error again
+    raise AttributeError(f"{type(thing).__name__} has no {name!r}" + (f"; type {renamed[name]}" if name in renamed else ""))
 
 
 def other_words(name: str, value: Any, known: Iterable[str], equals: str = "=") -> str | None:

@@ -10,7 +10,7 @@ from registries import examples
 from stickslip.basics.errors import InputError
 from stickslip.basics.notebook_display import rounded
 from stickslip.inverse.identification.law_forces import driven_force
-from stickslip.inverse.identification.motions import Motion, motion_of
+from stickslip.inverse.identification.motions import PrescribedMotion, motion_of
 from stickslip.inverse.identification.targets import target
 from stickslip.models.friction.law_adapter import adapted
 
@@ -256,7 +256,9 @@ def test_a_driven_law_follows_its_exact_solution():
     """Dahl's curve (exponent 1): LuGre without damping and Stribeck; virgin curve Fc (1 - exp(-sigma0 x / Fc))."""
     law = ss.LuGre(0.3, 0.3, None, None, sigma0=1e4, sigma1=0.0, sigma2=0.0, v_s=1.0)
     x = np.linspace(0, 1e-3, 50)
-    motion = Motion(x / 1e-3, np.concatenate([[0.0], np.diff(x) / np.diff(x / 1e-3)]), np.full(50, 10.0), np.zeros(50), 0, False, "")
+    motion = PrescribedMotion(
+        x / 1e-3, np.concatenate([[0.0], np.diff(x) / np.diff(x / 1e-3)]), np.full(50, 10.0), np.zeros(50), 0, False, ""
+    )
     assert np.allclose(driven_force(law, motion)[:, 0], 3.0 * (1 - np.exp(-1e4 * x / 3.0)), rtol=1e-12)
 
 
@@ -266,7 +268,7 @@ def test_a_driven_law_agrees_with_a_solver_of_its_own():
     law = ss.LuGre(0.3, 0.4, 0.35, 0.45, sigma0=2e4, sigma1=5.0, sigma2=1.0, v_s=5e-4)
     t, x = strokes()
     v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
-    motion = Motion(t, v, np.full(len(t), 10.0), np.zeros(len(t)), 0, False, "")
+    motion = PrescribedMotion(t, v, np.full(len(t), 10.0), np.zeros(len(t)), 0, False, "")
     ours, z, theirs = driven_force(law, motion)[:, 0], 0.0, []
     for k in range(1, 400):
         done = solve_ivp(lambda s, y, k=k: [law.rate(v[k], y[0], 10.0)], (t[k - 1], t[k]), [z], method="LSODA", rtol=1e-10, atol=1e-16)
@@ -278,7 +280,7 @@ def test_a_driven_law_agrees_with_a_solver_of_its_own():
 def test_a_driven_law_that_holds_in_a_band_gives_what_was_measured_there():
     law = ss.Karnopp(0.15, 0.21, 0.18, 0.24, width=1e-3)
     v, measured = np.array([0.0, 5e-4, -5e-4, 5e-4, 2e-3, -2e-3]), np.array([0.5, 1.7, -3.0, 9.0, 9.0, 9.0])
-    motion = Motion(np.arange(6.0), v, np.full(6, 10.0), measured, 0, False, "")
+    motion = PrescribedMotion(np.arange(6.0), v, np.full(6, 10.0), measured, 0, False, "")
     assert driven_force(law, motion)[:, 0] == pytest.approx([0.5, 1.7, -2.4, 1.8, 1.5, -2.1])
     many = ss.Karnopp(np.array([0.15, 0.3]), 0.21, 0.38, 0.24, width=1e-3)
     assert driven_force(many, motion, 2)[4].tolist() == [1.5, 3.0]
@@ -286,7 +288,9 @@ def test_a_driven_law_that_holds_in_a_band_gives_what_was_measured_there():
 
 def test_a_driven_law_of_several_states_is_the_same_alone_and_in_a_batch():
     t, x = strokes()
-    motion = Motion(t, np.concatenate([[0.0], np.diff(x) / np.diff(t)]), np.full(len(t), 10.0), np.zeros(len(t)), 0, False, "").every(10)
+    motion = PrescribedMotion(
+        t, np.concatenate([[0.0], np.diff(x) / np.diff(t)]), np.full(len(t), 10.0), np.zeros(len(t)), 0, False, ""
+    ).every(10)
     alone, among = driven_force(ss.GMS.example(), motion), driven_force(ss.GMS.example(), motion, 3)
     assert np.array_equal(among, np.tile(alone, 3)) and np.isfinite(alone).all() and np.ptp(alone) > 1
 
@@ -295,7 +299,7 @@ def test_a_law_is_fitted_to_force_against_motion():
     t, x = strokes()
     law = ss.LuGre(0.3, 0.4, None, None, sigma0=2e5, sigma1=0.0, sigma2=0.0, v_s=1.0)
     v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
-    F = driven_force(law, Motion(t, v, np.full(len(t), 10.0), np.zeros(len(t)), 0, False, ""))[:, 0]
+    F = driven_force(law, PrescribedMotion(t, v, np.full(len(t), 10.0), np.zeros(len(t)), 0, False, ""))[:, 0]
     F = F + np.random.default_rng(0).normal(scale=0.02, size=len(t))
     rec = ss.Record.of(t, {"x [m]": x, "F [N]": -F}, roles={"F": "force"})  # the sensor's sign is the other one
     free = {"mu_plus": (0.1, 1.0), "mu_minus": (0.1, 1.0), "sigma0": (1e4, 1e6, "log")}
@@ -669,7 +673,9 @@ def bench_robot(amplitude=6e-4, frequency=40.0):
 def test_a_record_of_another_drive_or_in_another_unit_is_doubted(told, said):
     rec = ss.virtual_rig(bench_robot(), noise=2e-4, seed=1)
     fit = ss.identify(rec, told, free={"friction.mu_plus": (0.05, 0.5)}, starts=4)
-    assert (not fit.doubts) if said is None else any(re.search(said, sentence) for sentence in fit.warnings[: len(fit.doubts)])
+    assert (
+        (not fit.contradictions) if said is None else any(re.search(said, sentence) for sentence in fit.warnings[: len(fit.contradictions)])
+    )
     assert f"drive.omega = {told.drive.omega:.6g} rad/s" in fit.report() and "friction.mu_minus = 0.21" in fit.report()
 
 

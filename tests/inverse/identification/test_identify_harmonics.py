@@ -6,7 +6,7 @@ import pytest
 import stickslip as ss
 from stickslip.basics.errors import InputError
 from stickslip.inverse.identification.misfit import misfit_of
-from stickslip.inverse.identification.search import Found
+from stickslip.inverse.identification.search import SearchEnd
 from stickslip.inverse.identification.uncertainty import faults
 from stickslip.models.drives.rippled import Rippled, with_ripple
 
@@ -66,7 +66,7 @@ def test_a_design_expects_the_errors_that_a_fit_then_has(known):
 
 
 def test_derivatives_by_harmonics_are_those_of_differences():
-    problem, place = (fit := fitted(record())).problem, fit.place
+    problem, place = (fit := fitted(record())).problem, fit.point
     jacobian = problem.jacobian(place)
     for k in range(problem.first, len(place)):
         step = 1e-4 * np.eye(len(place))[k]
@@ -103,7 +103,7 @@ def test_clipped_samples_say_beyond_and_do_not_pull():
 
 
 def test_derivatives_at_clipped_samples_are_those_of_differences():
-    problem, place = (fit := fitted(record(top=0.01))).problem, fit.place
+    problem, place = (fit := fitted(record(top=0.01))).problem, fit.point
     jacobian = problem.jacobian(place)
     step = 1e-5 * np.eye(len(place))[problem.first]  # an offset
     wanted = (problem.residuals(place + step) - problem.residuals(place - step)) / 2e-5
@@ -128,6 +128,6 @@ def test_white_residuals_leave_the_covariance_as_it_is_and_structure_adds_to_it(
     fit = fitted(record(), harmonics=0)
     assert fit.misfit.is_none
     bent = fit.residuals + 0.5 * np.sin(4 * np.pi * fit.problem.targets[0].phase)
-    found = misfit_of(fit.problem, Found(fit.place, bent, fit.jacobian, 1), None)
+    found = misfit_of(fit.problem, SearchEnd(fit.point, bent, fit.jacobian, 1), None)
     assert "harmonic" in found.said[0] or "cycle" in found.said[0]
     assert found.columns.shape[1] >= 2

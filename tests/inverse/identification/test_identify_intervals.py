@@ -8,7 +8,7 @@ import pytest
 import stickslip as ss
 from stickslip.inverse.identification.covariance import information_of, noise_sizes
 from stickslip.inverse.identification.law_forces import driven_force
-from stickslip.inverse.identification.motions import Motion
+from stickslip.inverse.identification.motions import PrescribedMotion
 from stickslip.inverse.identification.steady_curves import steady_curve
 from stickslip.inverse.identification.weak_directions import sharpened
 
@@ -28,7 +28,7 @@ def fitted_late(mu):
     """A fit of that number to forces over strokes with noise, whose best coefficient is this one."""
     t = np.linspace(0.0, 2.0, 800)
     x = 2e-4 * np.sin(2 * np.pi * t)
-    motion = Motion(t, np.concatenate([[0.0], np.diff(x) / np.diff(t)]), np.full(len(t), 10.0), np.zeros(len(t)), 0, False, "")
+    motion = PrescribedMotion(t, np.concatenate([[0.0], np.diff(x) / np.diff(t)]), np.full(len(t), 10.0), np.zeros(len(t)), 0, False, "")
     shape = driven_force(ss.Coulomb(1.0, 1.0), motion)[:, 0]
     noise = np.random.default_rng(1).normal(scale=0.05, size=len(t))
     noise = noise - shape * (noise @ shape) / (shape @ shape)
@@ -113,7 +113,7 @@ def test_a_sample_beside_a_kink_does_not_determine_what_only_a_ratio_acts_on():
     problem, run = fit.problem, steady_curve(fit.model()).run
     kink = next((e.t - run.strobe_times[-2]) / run.period_time for e in run.events if e.t > run.strobe_times[-2])
     for beside in (2e-6, 1e-5, -2e-6):
-        place = np.array(fit.place)
+        place = np.array(fit.point)
         place[2] = kink + beside - problem.targets[0].phase[0] - place[3] * problem.targets[0].course[0]
         assert information_of(problem, problem.jacobian(place)).undetermined[:2].all()
 

@@ -7,7 +7,7 @@ import stickslip as ss
 from rows import each_row
 from stickslip.inverse.identification.force_problem import DrivenProblem
 from stickslip.inverse.identification.law_forces import driven_force
-from stickslip.inverse.identification.motions import Motion
+from stickslip.inverse.identification.motions import PrescribedMotion
 from stickslip.inverse.identification.parameters import parameters
 from stickslip.inverse.identification.search import multistart, starting_points
 from stickslip.inverse.identification.uncertainty import faults
@@ -29,7 +29,7 @@ LIMITED = {
 def sines(law, noise=0.02):
     t = np.linspace(0, 2, 1500)
     x = 2e-4 * np.sin(2 * np.pi * t) + 4e-5 * np.sin(2 * np.pi * 5 * t)
-    m = Motion(t, np.concatenate([[0.0], np.diff(x) / np.diff(t)]), np.full(len(t), 10.0), np.zeros(len(t)), 0, False, "")
+    m = PrescribedMotion(t, np.concatenate([[0.0], np.diff(x) / np.diff(t)]), np.full(len(t), 10.0), np.zeros(len(t)), 0, False, "")
     F = driven_force(law, m)[:, 0] + np.random.default_rng(3).normal(scale=noise, size=len(t))
     return ss.Record.of(t, {"x [m]": x, "F [N]": F})
 
@@ -52,8 +52,8 @@ def test_derivatives_of_the_place_by_the_coordinates_are_those_of_differences(ki
     make, free, known, count = LIMITED[kind]
     limits, h = parameters(make, free, None, known, count).limits, 1e-6
     for inner in np.random.default_rng(1).uniform(0.05, 0.95, (8, len(free) + count - 1)):
-        seen = [(limits.place(inner + h * e) - limits.place(inner - h * e)) / (2 * h) for e in np.eye(len(inner))]
-        assert np.allclose(limits.slopes_of_place(inner).T, seen, rtol=0, atol=1e-8)  # h² and rounding over h
+        seen = [(limits.point(inner + h * e) - limits.point(inner - h * e)) / (2 * h) for e in np.eye(len(inner))]
+        assert np.allclose(limits.slopes_of_point(inner).T, seen, rtol=0, atol=1e-8)  # h² and rounding over h
 
 
 def test_a_law_that_takes_less_static_friction_has_no_limit():

@@ -8,7 +8,7 @@ import pytest
 
 import stickslip as ss
 from stickslip.inverse.identification.law_forces import driven_force
-from stickslip.inverse.identification.motions import Motion
+from stickslip.inverse.identification.motions import PrescribedMotion
 from stickslip.inverse.identification.uncertainty import faults
 from stickslip.models.force_rig import ForceRig
 
@@ -115,7 +115,7 @@ def test_without_play_the_force_is_that_of_the_law(law):
     """But at samples beside a reversal, where it is open on which flank a rigid contact is."""
     t = np.linspace(0, 4, 1000)
     v = np.diff(stroke(t), prepend=stroke(-t[1])) / t[1]
-    motion = Motion(t, v, np.full(1000, LOAD), np.zeros(1000), 0, False, "")
+    motion = PrescribedMotion(t, v, np.full(1000, LOAD), np.zeros(1000), 0, False, "")
     alone, moved = (driven_force(model, motion, applied=1e9)[:, 0] for model in (law, ForceRig(law, 0.0)))
     turns = np.convolve(abs(np.diff(np.sign(v), append=0.0)), np.ones(3), "same") > 0
     assert (~turns).sum() > 900 and abs(moved - alone)[1:][~turns[1:]].max() < 1e-9 * abs(alone).max()

@@ -17,7 +17,7 @@ from stickslip.inverse.identification.covariance import determined_spread
 from stickslip.inverse.identification.friction_effects import EFFECTS
 from stickslip.inverse.identification.identify import problem_of
 from stickslip.inverse.identification.law_forces import Stepped, _step_by_step, driven_force
-from stickslip.inverse.identification.motions import Motion, motion_of
+from stickslip.inverse.identification.motions import PrescribedMotion, motion_of
 from stickslip.inverse.identification.search import polished
 from stickslip.inverse.identification.steady_problem import SteadyProblem
 from stickslip.inverse.identification.uncertainty import costs, widening
@@ -38,7 +38,7 @@ def off(offset=0.0, drift=0.0, gain=1.0, noise=1e-3, seed=1):
 def motion(n=1500, load=10.0, speed=1.0):
     t = np.linspace(0, 2, n)
     x = 2e-4 * np.sin(2 * np.pi * speed * t) + 4e-5 * np.sin(2 * np.pi * 5 * speed * t)
-    return Motion(t, np.concatenate([[0.0], np.diff(x) / np.diff(t)]), np.broadcast_to(load, n) * 1.0, np.zeros(n), 0, False, "")
+    return PrescribedMotion(t, np.concatenate([[0.0], np.diff(x) / np.diff(t)]), np.broadcast_to(load, n) * 1.0, np.zeros(n), 0, False, "")
 
 
 def forces(law, noise=0.02, zero=0.0, reading=None, load=10.0, seed=0, **more):
@@ -232,7 +232,7 @@ def test_after_a_gap_a_record_says_nothing_until_the_contact_has_slid():
     record = shortened(whole, kept)
     free, known = {**BOTH, "sigma0": (1e4, 1e6, "log")}, dict(f_plus=None, f_minus=None, sigma1=0.0, sigma2=0.0, v_s=1.0)
     problem = problem_of([record], ss.LuGre, free, None, "auto", None, None, None, 1e-8, known, sensor={})
-    unbent = problem.parameters.place({"mu_plus": 0.3, "mu_minus": 0.4, "sigma0": 1e5})
+    unbent = problem.parameters.point({"mu_plus": 0.3, "mu_minus": 0.4, "sigma0": 1e5})
     least, most = (end[:, 0] for end in problem.ends(unbent[None]))
     assert np.array_equal(least[:700], most[:700]) and most[700] - least[700] == pytest.approx(7.0, rel=0.05)
     assert (least <= record["F"].values + 1e-9).all() and (record["F"].values <= most + 1e-9).all() and (most - least)[1200:].max() < 1e-6
@@ -296,7 +296,7 @@ def begun_sliding(law, seed=1):
     t, rng = np.linspace(0, 4, 1600), np.random.default_rng(seed)
     x = 2e-4 * (np.sin(2 * np.pi * t) + 0.2 * np.sin(2 * np.pi * 2.7 * t))
     v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
-    F = driven_force(law, Motion(t, v, np.full(len(t), 10.0), np.zeros(len(t)), 0, False, ""))[:, 0] + rng.normal(0, 0.02, len(t))
+    F = driven_force(law, PrescribedMotion(t, v, np.full(len(t), 10.0), np.zeros(len(t)), 0, False, ""))[:, 0] + rng.normal(0, 0.02, len(t))
     return ss.Record.of(t[410:] - t[410], {"x [m]": x[410:], "F [N]": F[410:]})
 
 
@@ -344,7 +344,7 @@ def test_a_search_goes_on_where_nothing_but_noise_is_left():
     free = {"mu0": (0.05, 0.5), "f0": (0.05, 0.6), "v_s": (2e-4, 2e-2, "log"), "sigma2": (0.0, 1.0)}
     truth = {"mu0": 0.18, "f0": 0.21, "v_s": 2e-3, "sigma2": 0.04}
     fit = ss.identify(records, RIG, free=free, tilt_deg=1.7, amplitude=amplitudes)
-    near = polished(fit.problem, fit.problem.aligned(fit.problem.parameters.place(truth)))
+    near = polished(fit.problem, fit.problem.aligned(fit.problem.parameters.point(truth)))
     assert fit.cost < near.cost + 0.1 * fit.scale**2
     for name in ("mu0", "f0", "v_s"):
         low, high = fit.interval(name, 0.999)

@@ -72,9 +72,9 @@ def test_common_steps_end_where_each_replicates_own_search_ends(fit):
     table = bootstrap(fit, 6, seed=1)
     for r in range(6):
         problem = _resampled_problem(fit, np.random.default_rng([1, r]))
-        own = polished(problem, fit.place)
+        own = polished(problem, fit.point)
         held = problem.only(dict(zip(fit.names, table[r].tolist(), strict=True)))  # phase and frequency are free in both
-        common = polished(held, fit.place[len(fit.names) :])
+        common = polished(held, fit.point[len(fit.names) :])
         assert common.cost < own.cost + 0.33 * fit.scale**2
 
 

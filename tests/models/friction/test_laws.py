@@ -22,7 +22,7 @@ from stickslip.dynamics.attractors.basins import on_grid
 from stickslip.dynamics.periodic.periodic_orbits import states_of
 from stickslip.dynamics.stroboscopic.strobe_maps import state_at_rest
 from stickslip.inverse.identification.law_forces import driven_force
-from stickslip.inverse.identification.motions import Motion
+from stickslip.inverse.identification.motions import PrescribedMotion
 from stickslip.maths import asinh, exp, log, where
 from stickslip.models.forces import inner_start
 from stickslip.models.friction.law_adapter import adapted, mirrored_law
@@ -254,7 +254,7 @@ def test_a_sum_says_of_inner_states_what_the_law_alone_says(law):
         assert getattr(both, asked)(0.7) == getattr(alone, asked)(0.7), asked
     assert both.creep_velocity(z, 0.7) == alone.creep_velocity(z, 0.7)
     assert both.velocity_scale() == alone.velocity_scale()
-    at_rest_all_the_time = Motion(np.array([0.0, 1.0]), np.zeros(2), np.full(2, 0.7), np.zeros(2), 0, False, "still")
+    at_rest_all_the_time = PrescribedMotion(np.array([0.0, 1.0]), np.zeros(2), np.full(2, 0.7), np.zeros(2), 0, False, "still")
     held = BENT_LAW.sigma0 * BENT_LAW.start(0.7)
     assert driven_force(BENT_LAW, at_rest_all_the_time).ravel().tolist() == pytest.approx([held, held], rel=1e-12)
 

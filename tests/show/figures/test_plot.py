@@ -266,9 +266,9 @@ def test_a_law_that_the_data_do_not_support_is_hollow():
 
 
 def test_a_parameter_that_is_not_determined_stands_at_the_right_edge():
-    from stickslip.inverse.identification.designing import Design, Experiment
+    from stickslip.inverse.identification.designing import Design, PlannedExperiment
 
-    one = Experiment(({"amplitude": 4e-4},), {"mu0": 0.018, "sigma0": float("inf")}, float("nan"), {})
+    one = PlannedExperiment(({"amplitude": 4e-4},), {"mu0": 0.018, "sigma0": float("inf")}, float("nan"), {})
     ax = Design({"mu0": 0.18, "sigma0": 4e5}, (one,), ()).plot()
     dots = {line.get_label(): float(line.get_xdata()[0]) for line in ax.lines}
     assert dots["mu0"] == pytest.approx(10.0) and dots["sigma0"] == ax.get_xlim()[1]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.basics.arguments import explains_arguments
-from stickslip.basics.errors import InputError
+from stickslip.basics.errors import InputError, no_attribute
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.notebook_display import Drawn
 from stickslip.dynamics.atlas.borders_followed import Border, FollowedBranch, PointOfBorder, same_place
@@ -71,8 +71,7 @@ class Atlas(Drawn):
     if not TYPE_CHECKING:  # a type checker would take every name for one of ours
 
         def __getattr__(self, name: str) -> Any:
-            hint = "; its special points are special_points" if name == "found" else ""
-            raise AttributeError(f"an atlas has no {name!r}{hint}")
+            return no_attribute(self, name, {"found": "special_points"})
 
     @property
     def parameters(self) -> tuple[str, str]:

@@ -36,7 +36,7 @@ def by_bootstrap(fit: Fit, name: str, level: float, repeats: int = 200, seed: in
     free, factor = fit.problem.parameters.free[k], widening(fit).get(name, 1.0)
     if factor == 1.0:
         return float(low), float(high)
-    ends = np.clip(fit.place[k] + factor * (free.inner(np.array([low, high])) - fit.place[k]), 0.0, 1.0)
+    ends = np.clip(fit.point[k] + factor * (free.inner(np.array([low, high])) - fit.point[k]), 0.0, 1.0)
     return float(free.outer(ends[0])), float(free.outer(ends[1]))
 
 
@@ -68,7 +68,7 @@ def bootstrap(fit: Fit, repeats: int, seed: int, workers: int = 1) -> Any:
     points, settled = _stepped(fit, resampled, workers)
     finished = partial(_finished, fit, resampled)
     for r, end in shared(finished, [r for r in range(repeats) if not settled[r]], workers):
-        points[r] = end.place
+        points[r] = end.point
     free = fit.problem.parameters.free
     table = np.stack([np.array([float(f.outer(p)) for f, p in zip(free, point, strict=False)]) for point in points])
     return np.where(fit.information.undetermined[: len(free)], np.nan, table)
@@ -76,7 +76,7 @@ def bootstrap(fit: Fit, repeats: int, seed: int, workers: int = 1) -> Any:
 
 def _finished(fit: Fit, problems: list[Any], r: int) -> Any:
     """Where the steps of one replicate end."""
-    return polished_to_end(problems[r], fit.place, rough=True)
+    return polished_to_end(problems[r], fit.point, rough=True)
 
 
 def _stepped(fit: Fit, problems: list[Any], workers: int) -> tuple[Any, Any]:
@@ -84,7 +84,7 @@ def _stepped(fit: Fit, problems: list[Any], workers: int) -> tuple[Any, Any]:
     low, high = fit.problem.bounds()
     inverse = fit.information.inverse
     small = _SMALL * fit.scale * np.sqrt(np.sum(inverse**2, axis=1))
-    points = np.tile(fit.place, (len(problems), 1))
+    points = np.tile(fit.point, (len(problems), 1))
     open_ones, settled = np.arange(len(problems)), np.zeros(len(problems), bool)
     costs = np.full(len(problems), np.inf)
     for _ in range(_STEPS):

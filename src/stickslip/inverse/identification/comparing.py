@@ -29,7 +29,7 @@ _PHASES = 400
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Row:
+class ComparisonRow:
     """One law, or the record itself, over one motion period.
 
     Parameters
@@ -83,15 +83,15 @@ class Comparison(Drawn):
         What was compared, whole.
     """
 
-    record: Row
-    laws: tuple[Row, ...]
+    record: ComparisonRow
+    laws: tuple[ComparisonRow, ...]
     noise: float
     kind: str
     samples: tuple[Any, Any]
     notes: tuple[str, ...]
     source: Any = None
 
-    def __getitem__(self, label: str) -> Row:
+    def __getitem__(self, label: str) -> ComparisonRow:
         """The row of this label."""
         rows = {row.label: row for row in (self.record, *self.laws)}
         if label not in rows:
@@ -99,7 +99,7 @@ class Comparison(Drawn):
         return rows[label]
 
     @property
-    def best(self) -> Row:
+    def best(self) -> ComparisonRow:
         """The law with the smallest rms over the cycle."""
         return min(self.laws, key=lambda row: row.rms)
 
@@ -137,7 +137,7 @@ class Comparison(Drawn):
     __repr__ = __str__
 
 
-def _cells(row: Row) -> tuple[str, ...]:
+def _cells(row: ComparisonRow) -> tuple[str, ...]:
     """A row of the table of a notebook."""
     rest = ("", "") if np.isnan(row.rms) else (f"{row.rms:.4g}", f"{row.r2:.5f}")
     return (row.label, f"{row.mean_velocity:.7g}", row.type, *rest)
@@ -261,13 +261,13 @@ def _with_law(robot: Any, law: Any, problems: Problems) -> Any:
     return None
 
 
-def _row(label: str, model: Model, curve: SteadyCurve, target_of: Target, shift: float) -> Row:
+def _row(label: str, model: Model, curve: SteadyCurve, target_of: Target, shift: float) -> ComparisonRow:
     rest = modelled_values(target_of, curve, target_of.phase + shift) - target_of.y
     spread, square = target_of.mean_square(target_of.y - np.average(target_of.y, weights=target_of.weight)), target_of.mean_square(rest)
     phase = np.arange(_PHASES * curve.period) / _PHASES
     value = curve.v(phase) if target_of.kind == "velocity" else curve.x(phase)
     m = motion(curve.run)
-    return Row(
+    return ComparisonRow(
         label, curve.mean_velocity, m.type, m.pattern, float(np.sqrt(square)), 1 - square / spread, _events(curve), phase, value, model
     )
 
@@ -279,7 +279,7 @@ def _events(curve: SteadyCurve) -> tuple[tuple[float, str], ...]:
     return tuple((float(phase), kind) for phase, kind in changes)
 
 
-def _measured(record: Record, target_of: Target, shift: float) -> Row:
+def _measured(record: Record, target_of: Target, shift: float) -> ComparisonRow:
     """The record's own row: its mean cycle, over one motion period, on the phase of the best law."""
     bins = int(np.clip(target_of.count / 12, 24, _PHASES)) * target_of.period
     turn = np.mod((target_of.phase + shift) / target_of.period, 1.0)
@@ -290,7 +290,7 @@ def _measured(record: Record, target_of: Target, shift: float) -> Row:
     first = -float(shift)
     events = tuple((float(np.mod(start - first, target_of.period)), "stick") for start, _, sign in m.intervals if sign == 0)
     phase = (np.arange(bins) + 0.5) / bins * target_of.period
-    return Row("record", V, m.type, m.pattern, float("nan"), float("nan"), events, phase, mean)
+    return ComparisonRow("record", V, m.type, m.pattern, float("nan"), float("nan"), events, phase, mean)
 
 
 def _notes(record: Record, robot: Model, target_of: Target, curves: dict[str, SteadyCurve]) -> list[str]:
@@ -302,7 +302,7 @@ def _notes(record: Record, robot: Model, target_of: Target, curves: dict[str, St
     return notes
 
 
-def _words(measured: Row, rows: tuple[Row, ...]) -> list[str]:
+def _words(measured: ComparisonRow, rows: tuple[ComparisonRow, ...]) -> list[str]:
     """Why a record and a law that fits it may have two words for one motion."""
     other = [f"{row.label} {row.type}" for row in rows if law_of(row.model).dynamic and row.type != measured.type]
     if not other:

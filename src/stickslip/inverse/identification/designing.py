@@ -37,7 +37,7 @@ _TOLD = 8  # experiments that are told
 
 
 @dataclass(frozen=True)
-class Experiment:
+class PlannedExperiment:
     """One experiment, or several together, and what is expected of it.
 
     Parameters
@@ -83,13 +83,13 @@ class Design(Drawn):
     """
 
     values: dict[str, float]
-    experiments: tuple[Experiment, ...]
+    experiments: tuple[PlannedExperiment, ...]
     notes: tuple[str, ...]
 
     _drawn_by, _inches = "design", (4.4, 2.6)
 
     @property
-    def best(self) -> Experiment:
+    def best(self) -> PlannedExperiment:
         """The most informative experiment."""
         return self.experiments[0]
 
@@ -369,7 +369,7 @@ def _apart(rivals: list[Any], of: Parameters, free: dict[str, float], i: int, he
 
 def _expected(
     chosen: Any, slopes: Any, apart: Any, settings: Any, free: dict[str, float], noise: float, sensors: tuple[Any, Any]
-) -> tuple[Experiment, float, Any]:
+) -> tuple[PlannedExperiment, float, Any]:
     """Expected errors of a joint fit to the chosen experiments, and the logarithm of the volume of the confidence region."""
     n = len(free)
     rows, known = [], [np.zeros((0, 0))]
@@ -388,7 +388,7 @@ def _expected(
     errors = {name: float(np.sqrt(covariance[k, k])) for k, name in enumerate(free)}
     moved = np.sqrt(np.mean(np.concatenate([slopes[i].main for i in chosen]) ** 2, axis=0)) * 0.1 * size / noise
     visible = {name: float(moved[k]) for k, name in enumerate(free)}
-    return Experiment(tuple(settings[i] for i in chosen), errors, separation, visible), volume, covariance
+    return PlannedExperiment(tuple(settings[i] for i in chosen), errors, separation, visible), volume, covariance
 
 
 def _side_by_side(blocks: list[Any]) -> Any:
@@ -398,7 +398,7 @@ def _side_by_side(blocks: list[Any]) -> Any:
     return block_diag(*blocks)
 
 
-def _notes(best: tuple[Experiment, float, Any], free: dict[str, float], using: str) -> list[str]:
+def _notes(best: tuple[PlannedExperiment, float, Any], free: dict[str, float], using: str) -> list[str]:
     experiment, _, covariance = best
     untold = [n for n, v in free.items() if not experiment.errors[n] < TOLD * (abs(v) or 1.0)]
     notes = [

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from stickslip.basics.arguments import Ax, described_as, explains_arguments
-from stickslip.basics.errors import InputError, Problems, did_you_mean, is_whole
+from stickslip.basics.errors import InputError, Problems, did_you_mean, is_whole, no_attribute
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible
 from stickslip.basics.notebook_display import Face, Text, drawn_on, sure
@@ -44,8 +44,8 @@ class Fit(Face):
         The free parameters.
     spread : array
         Covariance of all numbers that were fitted, on the scale of the search; infinite variance for those that the data do not determine.
-    problem : Sensed
-    place, jacobian, residuals : arrays
+    problem : MeasuredProblem
+    point, jacobian, residuals : arrays
         End of the search, on its own scale; the Jacobian has an additional row for each number with a prior.
     scale : float
         Factor on the noise: 1 if the noise was given, else estimated from the residuals.
@@ -60,7 +60,7 @@ class Fit(Face):
         Sum of squares of the priors.
     stopped : bool
         Whether the search was interrupted.
-    doubts : tuple of str
+    contradictions : tuple of str
         What cannot be of one machine: other frequencies of record and drive, motions of other sizes, numbers in a mistaken unit.
     changes : array or None
         By how much other noise of the input (position, load) would change what is met, in standard deviations: (values, repetitions).
@@ -80,7 +80,7 @@ class Fit(Face):
     values: dict[str, float]
     spread: NDArray[np.float64]
     problem: Any
-    place: NDArray[np.float64]
+    point: NDArray[np.float64]
     jacobian: NDArray[np.float64]
     residuals: NDArray[np.float64]
     scale: float
@@ -93,9 +93,14 @@ class Fit(Face):
     records: tuple[Any, ...] = ()
     penalty: float = 0.0
     stopped: bool = False
-    doubts: tuple[str, ...] = ()
+    contradictions: tuple[str, ...] = ()
     changes: NDArray[np.float64] | None = None
     misfit: Any = None
+
+    if not TYPE_CHECKING:  # a type checker would take every name for one of ours
+
+        def __getattr__(self, name: str) -> Any:
+            return no_attribute(self, name, {"place": "point", "doubts": "contradictions"})
 
     # ---- how sure ----
     @property
@@ -163,7 +168,7 @@ class Fit(Face):
     def _numbers(self, of: str) -> dict[str, tuple[float, float]]:
         """Numbers of the sensors, or of the drive: name -> (value, standard error)."""
         own = ((k, n) for k, n in enumerate(self.problem.numbers, self.problem.first) if n.of == of)
-        fitted = {n.name: (float(self.place[k]), float(np.sqrt(self.spread[k, k]))) for k, n in own}
+        fitted = {n.name: (float(self.point[k]), float(np.sqrt(self.spread[k, k]))) for k, n in own}
         return fitted | {n.name: (n.value, 0.0) for n in self.problem.held if n.of == of}
 
     @cached_property
@@ -203,7 +208,7 @@ class Fit(Face):
     @property
     def slopes(self) -> NDArray[np.float64]:
         """Derivative of each free parameter with respect to its search coordinate: array (parameters,)."""
-        return np.array([f.slope(p) for f, p in zip(self.problem.parameters.free, self.place, strict=False)])
+        return np.array([f.slope(p) for f, p in zip(self.problem.parameters.free, self.point, strict=False)])
 
     @property
     def correlations(self) -> NDArray[np.float64]:
@@ -284,7 +289,7 @@ class Fit(Face):
     @cached_property
     def predicted(self) -> tuple[Any, ...]:
         """Values of the fitted model at the samples of each record [SI]."""
-        return tuple(self.problem.parts(self.problem.predicted(self.place)))
+        return tuple(self.problem.parts(self.problem.predicted(self.point)))
 
     @property
     def correlated(self) -> list[str]:
@@ -303,7 +308,7 @@ class Fit(Face):
     @property
     def warnings(self) -> list[str]:
         """Warnings about the fitted values."""
-        return [*self.doubts, *uncertainty.remarks(self), *self.correlated, *self.notes]
+        return [*self.contradictions, *uncertainty.remarks(self), *self.correlated, *self.notes]
 
     # ---- show ----
     @overload

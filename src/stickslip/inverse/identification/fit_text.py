@@ -131,12 +131,12 @@ def _as_given(values: list[Any], unit: str) -> str:
 def sensor_lines(fit: Fit) -> list[str]:
     """Sensor effects, one sentence for all."""
     units = {n.name: n.unit(unit_of_values(fit.problem.targets[n.records[0]])) for n in (*fit.problem.numbers, *fit.problem.held)}
-    effects = [
+    readings = [
         f"{name} = {rounded(value, error)} {sure(error) if error else '(held)'} {units[name]}".rstrip()
         for name, (value, error) in fit.sensor.items()
         if name in units
     ]
-    return ([f"sensor: {', '.join(effects)}"] if effects else []) + drive_lines(fit)
+    return ([f"sensor: {', '.join(readings)}"] if readings else []) + drive_lines(fit)
 
 
 def drive_lines(fit: Any) -> list[str]:

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from stickslip.basics.contracts import Array, ArrayLike
-from stickslip.inverse.identification.motions import Motion
+from stickslip.inverse.identification.motions import PrescribedMotion
 from stickslip.inverse.identification.parameters import OverParameters, Parameters
 
 _STEP = 1e-5
@@ -37,7 +37,7 @@ class DrivenProblem(OverParameters):
     resolution: ClassVar[float] = 1e-4  # singular values of the derivatives, which are of first order, below this are zero
 
     parameters: Parameters
-    targets: tuple[Motion, ...]
+    targets: tuple[PrescribedMotion, ...]
     level: float
     thin: int = 1
     holds: bool = False
@@ -97,12 +97,12 @@ class DrivenProblem(OverParameters):
                 forces[:, good] = np.concatenate([m.given(law, cases, r, side) for law, m, r in each])
         return forces
 
-    def slopes(self, place: Array, readings: Sequence[Mapping[str, Any]]) -> tuple[Any, Any]:
+    def slopes(self, point: Array, readings: Sequence[Mapping[str, Any]]) -> tuple[Any, Any]:
         """Derivatives of both ends by differences, all parameters in one batch."""
-        place = np.asarray(place, float)
+        point = np.asarray(point, float)
         allowed = self.parameters.limits.allows
-        sign = np.array([1.0 if max(ahead) <= 1.0 and allowed(ahead) else -1.0 for ahead in place + np.diag(np.full(len(place), _STEP))])
-        least, most = self.ends(np.concatenate([place[None, :], place + np.diag(sign * _STEP)]), readings)
+        sign = np.array([1.0 if max(ahead) <= 1.0 and allowed(ahead) else -1.0 for ahead in point + np.diag(np.full(len(point), _STEP))])
+        least, most = self.ends(np.concatenate([point[None, :], point + np.diag(sign * _STEP)]), readings)
         derivatives = [
             np.nan_to_num((moved[:, 1:] - moved[:, :1]) / (sign * _STEP)) for moved in ((least,) if most is least else (least, most))
         ]

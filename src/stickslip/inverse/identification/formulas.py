@@ -60,7 +60,7 @@ def combinations(fit: Fit) -> tuple[Combination, ...]:
             continue
         formulas, holds = _formulas(fit, _Way(fit, members, directions, own, at, size, lost))
         for text, function in formulas:
-            slopes = np.zeros(len(fit.place))
+            slopes = np.zeros(len(fit.point))
             slopes[own] = gradient(function, at, size) / size * fit.slopes[own]
             combinations.append(Combination(text, float(function(at)), float(np.sqrt(max(slopes @ spread @ slopes, 0.0))), holds))
     return tuple(combinations)
@@ -144,12 +144,12 @@ class _Way:
             return np.inf
         if not all(free[k].low <= x <= free[k].high for k, x in zip(self.own, v, strict=True)):
             return 0.0
-        point = np.array(fit.place)
+        point = np.array(fit.point)
         point[self.own] = [float(free[k].inner(x)) for k, x in zip(self.own, v, strict=True)]
         index = [self.members.index(k) for k in self.own]
         rest = [j for j in range(len(self.members)) if j not in index]
         others = [self.members[j] for j in rest]
-        point[others] += (point - fit.place)[self.own] @ np.linalg.pinv(self.directions[:, index]) @ self.directions[:, rest]
+        point[others] += (point - fit.point)[self.own] @ np.linalg.pinv(self.directions[:, index]) @ self.directions[:, rest]
         problem = fit.problem.only({free[k].name: float(x) for k, x in zip(self.own, v, strict=True)})
         end = polished_to_end(problem, np.delete(point, self.own))
         return float(max(end.cost - fit.cost - 1e-6 * fit.cost, 0.0) / fit.scale**2)

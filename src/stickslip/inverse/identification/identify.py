@@ -22,16 +22,16 @@ from stickslip.inverse.identification.covariance import noise_scale, spread_of
 from stickslip.inverse.identification.drive_harmonics import with_harmonics
 from stickslip.inverse.identification.fit import Fit
 from stickslip.inverse.identification.force_problem import DrivenProblem
-from stickslip.inverse.identification.least_squares import Sensed
+from stickslip.inverse.identification.least_squares import MeasuredProblem
 from stickslip.inverse.identification.logs_of_machines import bench_of, takes_records
 from stickslip.inverse.identification.mean_velocity_problem import MeansProblem
 from stickslip.inverse.identification.misfit import misfit_of
 from stickslip.inverse.identification.motions import motion_of
 from stickslip.inverse.identification.nesting import nested_seeds
 from stickslip.inverse.identification.parameters import Parameters, parameters
-from stickslip.inverse.identification.plausibility import doubts
+from stickslip.inverse.identification.plausibility import contradictions
 from stickslip.inverse.identification.refinement import canonical, finished, held_back, spared_note, spared_numbers
-from stickslip.inverse.identification.search import Found, searched, starting_points
+from stickslip.inverse.identification.search import SearchEnd, searched, starting_points
 from stickslip.inverse.identification.sensors import sensors_of, with_starts
 from stickslip.inverse.identification.steady_curves import moves_alike_anywhere
 from stickslip.inverse.identification.steady_problem import SteadyProblem
@@ -183,7 +183,7 @@ def problem_of(
     noise: float | None, frequency: float | None, load: float | None, rtol: float, arguments: dict[str, Any],
     settle: int | str = "auto", transient: bool = False, starts: int = 64, seed: int = 0, sensor: dict[str, Any] | None = None,
     body: str | None = None, harmonics: Any = None,
-) -> Sensed:  # fmt: skip
+) -> MeasuredProblem:  # fmt: skip
     """The least-squares problem of these records."""
     of = parameters(make, free, tied, arguments, len(records))
     first = of.first_models(starting_points(of, starts, seed))
@@ -206,7 +206,7 @@ def problem_of(
     numbers, held = sensors_of(sensor, model.targets)
     starts_open = [i for i, t in enumerate(model.targets) if model.remembers and t.any_start]
     numbers = with_harmonics(with_starts(numbers, held, starts_open), harmonics, model.targets, of, first)
-    return Sensed(model, numbers, held, given=sensor, harmonics=harmonics)
+    return MeasuredProblem(model, numbers, held, given=sensor, harmonics=harmonics)
 
 
 def _body(model: Model, body: str | None) -> int | None:
@@ -310,7 +310,15 @@ def _notes(records: list[Any], problem: Any) -> list[str]:
 
 
 def _fit(
-    problem: Sensed, best: Found, starts: int, agree: int, notes: list[str], seed: int, records: tuple[Any, ...], solves: int, weigh: Any
+    problem: MeasuredProblem,
+    best: SearchEnd,
+    starts: int,
+    agree: int,
+    notes: list[str],
+    seed: int,
+    records: tuple[Any, ...],
+    solves: int,
+    weigh: Any,
 ) -> Fit:
     free = problem.parameters.free
     n, count = len(free), len(problem.y)
@@ -321,7 +329,7 @@ def _fit(
     scale = noise_scale(problem, best)
     if np.ndim(problem.rows):
         scale = robust_scale(weigh, best.residuals[:count] / np.sqrt(problem.rows), problem.rows, scale)
-    values = {f.name: float(f.outer(p)) for f, p in zip(free, best.place, strict=False)}
+    values = {f.name: float(f.outer(p)) for f, p in zip(free, best.point, strict=False)}
     if dof < 1 and not given:
         notes = [
             *notes,
@@ -329,7 +337,7 @@ def _fit(
         ]
     if best.stopped:
         notes = [*notes, "the search was interrupted: these are the best values so far, and there may be better ones"]
-    changes = None if best.stopped else problem.input_changes(best.place)
+    changes = None if best.stopped else problem.input_changes(best.point)
     misfit = misfit_of(problem, best, changes)
     from stickslip import __version__
 
@@ -346,7 +354,7 @@ def _fit(
         values,
         spread_of(problem, best.jacobian, best.residuals, scale, changes, misfit),
         problem,
-        best.place,
+        best.point,
         best.jacobian,
         best.residuals[:count],
         scale,
@@ -359,7 +367,7 @@ def _fit(
         records,
         penalty=float(best.residuals[count:] @ best.residuals[count:]),
         stopped=best.stopped,
-        doubts=tuple(doubts(problem, values, best.place)),
+        contradictions=tuple(contradictions(problem, values, best.point)),
         changes=changes,
         misfit=misfit,
     )

@@ -14,7 +14,7 @@ from stickslip.models.force_rig import ForceRig
 from stickslip.models.friction.law_adapter import LawAdapter, adapted
 
 if TYPE_CHECKING:
-    from stickslip.inverse.identification.motions import Motion
+    from stickslip.inverse.identification.motions import PrescribedMotion
 
 _NUDGE = 1e-6
 _SWITCHES, _HALVINGS = 4, 50  # of each memory within a step, after which it goes on without; to find when one is
@@ -39,7 +39,9 @@ def slide(t: Array, v: Array) -> tuple[Any, float]:
     return np.geomspace(np.mean(abs(moved)), _FAR * np.ptp(np.cumsum(moved)), _SLIDES) / speed, speed
 
 
-def driven_force(law: Law, motion: Motion, cases: int = 1, reading: dict[str, Any] | None = None, applied: float | None = None) -> Any:
+def driven_force(
+    law: Law, motion: PrescribedMotion, cases: int = 1, reading: dict[str, Any] | None = None, applied: float | None = None
+) -> Any:
     """Friction force of a law at every sample of a motion: array (samples, cases) [N].
 
     Between samples the velocity is constant. Inner states follow by exponential steps, which are exact where their rate is linear in
@@ -60,7 +62,7 @@ def driven_force(law: Law, motion: Motion, cases: int = 1, reading: dict[str, An
     return law_force(known, Stepped(motion.t, motion.v, at), load, measured, cases, reading.get("start"))
 
 
-def _rig_force(rig: ForceRig, motion: Motion, load: Any, measured: Any, cases: int, reading: dict[str, Any], side: float) -> Any:
+def _rig_force(rig: ForceRig, motion: PrescribedMotion, load: Any, measured: Any, cases: int, reading: dict[str, Any], side: float) -> Any:
     """Force at the actuator of a rig."""
     start = np.broadcast_to(np.asarray(reading.get("start", 0.0), float), (cases,))
     place = np.clip(2 * start, -1.0, 1.0)

@@ -28,7 +28,7 @@ _NUDGE = 1e-5  # of the mean load, of 1 or of an amplitude: differences for the 
 
 
 @dataclass(eq=False)
-class Sensed:
+class MeasuredProblem:
     r"""The least-squares problem of a fit: a model, what its sensors do, and what is known beforehand.
 
     .. math:: y = g\,h(t - \tau) + b + d\,t + m\,a
@@ -136,22 +136,22 @@ class Sensed:
         return np.concatenate(measured)
 
     # ---- others like it ----
-    def _like(self, model: Model, **changes: Any) -> Sensed:
+    def _like(self, model: Model, **changes: Any) -> MeasuredProblem:
         return dataclasses.replace(self, model=model, _memory={}, **changes)
 
-    def with_values(self, y: Numeric, shifts: Any = 0.0) -> Sensed:
+    def with_values(self, y: Numeric, shifts: Any = 0.0) -> MeasuredProblem:
         """The same fit for other measured values."""
         return self._like(self.model.with_values(y), shifts=shifts)
 
-    def only(self, fixed: dict[str, float]) -> Sensed:
+    def only(self, fixed: dict[str, float]) -> MeasuredProblem:
         """The same fit with some free parameters held."""
         return self._like(self.model.only(fixed))
 
-    def leaving_out(self, effects: Iterable[str]) -> Sensed:
+    def leaving_out(self, effects: Iterable[str]) -> MeasuredProblem:
         """The same fit of a law without some effects."""
         return self._like(self.model.leaving_out(effects))
 
-    def rough(self) -> Sensed:
+    def rough(self) -> MeasuredProblem:
         """The same fit for the search, in which drives have no harmonics."""
         return self._like(self.model.rough(), numbers=tuple(n for n in self.numbers if n.searched))
 
@@ -160,15 +160,15 @@ class Sensed:
         own = iter(point[self.first :])
         return np.array([*point[: self.first], *(next(own) if n.searched else n.neutral for n in self.numbers)])
 
-    def trusting(self, trust: float, sizes: Any = None) -> Sensed:
+    def trusting(self, trust: float, sizes: Any = None) -> MeasuredProblem:
         """The same fit where the records' noise is known better, and that of each beside the others."""
         return self._like(self.model, trust=trust, sizes=self.sizes if sizes is None else sizes)
 
-    def weighing(self, rows: Any) -> Sensed:
+    def weighing(self, rows: Any) -> MeasuredProblem:
         """The same fit where a robust loss gives the values these weights."""
         return self._like(self.model, rows=rows)
 
-    def holding(self, names: Any, point: Any = None) -> Sensed:
+    def holding(self, names: Any, point: Any = None) -> MeasuredProblem:
         """The same fit with some numbers of the sensors held: where a point has them, else at those of an ideal sensor."""
         values = [n.neutral for n in self.numbers] if point is None else point[self.first :]
         kept = tuple(n for n in self.numbers if n.name not in names)

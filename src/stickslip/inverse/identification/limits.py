@@ -63,11 +63,11 @@ class Limits:
     def _values(self, point: Array) -> Any:
         return np.array([float(f.outer(p)) for f, p in zip(self.free, point, strict=False)])
 
-    def place(self, inner: Any) -> Any:
+    def point(self, inner: Any) -> Any:
         """The point between the bounds of coordinates of a search; what comes after the free numbers stays."""
         return self._moved(inner)[0] if len(self.slopes) else inner
 
-    def slopes_of_place(self, inner: Any) -> Any:
+    def slopes_of_point(self, inner: Any) -> Any:
         """Derivatives of the point by the coordinates: array (numbers, numbers)."""
         return self._moved(inner)[1]
 

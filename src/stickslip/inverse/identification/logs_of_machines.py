@@ -41,7 +41,7 @@ _PUSH = 1e9  # of what is applied: no contact is held against as much
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Bench(Compared):
+class MachineLog(Compared):
     r"""The motion of a machine with what was applied to it, averaged over windows.
 
     A window is a triangle of W samples on either side: the mean acceleration over it is exactly
@@ -92,7 +92,7 @@ class Bench(Compared):
         """Whether other noise of the sensors would have shown another motion."""
         return self.measured is not None
 
-    def redrawn(self, k: int) -> Bench:
+    def redrawn(self, k: int) -> MachineLog:
         """The same windows over the motion that other noise of its sensors, the k-th, would have shown."""
         if self.measured is None:
             return self
@@ -127,12 +127,12 @@ class Bench(Compared):
         right = np.minimum(left + 1, last)
         return h[left] + (h[right] - h[left]) * (t - delay - t[left]) / np.where(right > left, t[right] - t[left], 1.0)
 
-    def every(self, step: int) -> Bench:
+    def every(self, step: int) -> MachineLog:
         """Every so many-th window."""
         names = ("at", "acceleration", "y", "weight", "still")
         return dataclasses.replace(self, **{name: getattr(self, name)[::step] for name in names})
 
-    def rough(self, step: int) -> Bench:
+    def rough(self, step: int) -> MachineLog:
         """The same for a search: thinned out."""
         return self.every(step) if step > 1 else self
 
@@ -212,7 +212,7 @@ def _role(model: Model, rec: Record) -> str | None:
     return None
 
 
-def bench_of(model: Model, rec: Record, label: str) -> Bench:
+def bench_of(model: Model, rec: Record, label: str) -> MachineLog:
     """The windows of a record for a machine of one body; `InputError` for one of several, or where something is missing."""
     kind = _role(model, rec)
     if kind is None:
@@ -301,7 +301,7 @@ def _windows(clock: Clock, rate: Array, half: int) -> tuple[Any, int]:
     return at[whole & even], int((whole & ~even).sum())
 
 
-def _made(kind: str, clock: Clock, smooth: Smooth | None, rate: Array, half: int, noisy: float, label: str, notes: list[str]) -> Bench:
+def _made(kind: str, clock: Clock, smooth: Smooth | None, rate: Array, half: int, noisy: float, label: str, notes: list[str]) -> MachineLog:
     t, h = clock.t, clock.step
     x = clock.x if smooth is None else smooth.at(t)
     at, turned = _windows(clock, rate, half)
@@ -311,7 +311,7 @@ def _made(kind: str, clock: Clock, smooth: Smooth | None, rate: Array, half: int
     still = rate[at] == 0
     a = _accelerations(x, at, half, h)
     cut = "; ".join([*clock.notes, *notes, *_said(half, noisy, turned)]) or None
-    return Bench(kind, t, x, rate, at, a, _averaged(clock.y, at, half), weight, still, half, label, cut, measured=smooth)
+    return MachineLog(kind, t, x, rate, at, a, _averaged(clock.y, at, half), weight, still, half, label, cut, measured=smooth)
 
 
 def _few(label: str, count: int, samples: int, kind: str, half: int, smooth: Smooth | None) -> str:

@@ -46,12 +46,12 @@ class Misfit:
 
 
 def misfit_of(problem: Any, minimum: Any, changes: Any) -> Misfit:
-    """The misfit at the end of a search (`Found`)."""
+    """The misfit at the end of a search (`SearchEnd`)."""
     count = len(problem.y)
     residuals, inverse = minimum.residuals[:count], information_of(problem, minimum.jacobian).inverse[:, :count]
     left = None if changes is None else changes - minimum.jacobian[:count] @ (inverse @ changes)
     parts = (problem.parts(each) for each in (np.arange(count), residuals, problem.unclipped(residuals)))
-    said, columns, factor = [], [np.zeros((count, 0))], _off_what_is_known(problem, minimum.place)
+    said, columns, factor = [], [np.zeros((count, 0))], _off_what_is_known(problem, minimum.point)
     for target, rows, rest, which in zip(problem.targets, *parts, strict=True):
         tested = [] if np.ndim(problem.rows) else structures(target, rest, which, None if left is None else left[rows])
         said.append(tested[0].said if tested else "")

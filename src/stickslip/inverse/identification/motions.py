@@ -37,7 +37,7 @@ _REPEATS = 0.1  # by which part of its own spread the motion may differ from one
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Motion(Compared):
+class PrescribedMotion(Compared):
     """A prescribed motion with the force that was measured over it.
 
     Parameters
@@ -88,7 +88,7 @@ class Motion(Compared):
         """Whether other noise of the sensors would have shown another motion, or another load."""
         return self.measured is not None or self.load_noise > 0
 
-    def redrawn(self, k: int) -> Motion:
+    def redrawn(self, k: int) -> PrescribedMotion:
         """The motion and the load as other noise of their sensors, the k-th, would have shown them."""
         load = self.load + self.load_noise * np.random.default_rng([11, k]).normal(size=len(self.t))
         if self.measured is None:
@@ -160,7 +160,7 @@ class Motion(Compared):
         bridged, own = self.bridged(side)
         return driven_force(law, bridged, cases, reading, side * _PUSH * float(np.max(self.load)))[own]
 
-    def bridged(self, side: float) -> tuple[Motion, Any]:
+    def bridged(self, side: float) -> tuple[PrescribedMotion, Any]:
         """The motion with a slow slide to a side (-1 or 1) in each gap, longer than any stroke, and which of its samples are compared.
 
         That brings inner states to where they give the least, or the greatest, force, whatever the contact did in the gap.
@@ -182,7 +182,7 @@ class Motion(Compared):
         }
         return dataclasses.replace(self, **made), np.insert(self.compared, places, False)
 
-    def every(self, step: int) -> Motion:
+    def every(self, step: int) -> PrescribedMotion:
         """The same motion, thinned out."""
         last = np.arange(0, len(self.t), step)
         x = np.concatenate([[0.0], np.cumsum(self.v[1:] * np.diff(self.t))])[last]
@@ -193,7 +193,7 @@ class Motion(Compared):
         kept["at"] = None if self.measured is None else self.at[last]
         return dataclasses.replace(self, t=t, v=v, before=before, **kept)
 
-    def rough(self, step: int) -> Motion:
+    def rough(self, step: int) -> PrescribedMotion:
         """The same for a search: thinned out, and with a slope where a play closes."""
         thinned = self.every(step) if step > 1 else self
         if not self.in_play:
@@ -201,7 +201,7 @@ class Motion(Compared):
         x = np.cumsum(thinned.v * np.diff(thinned.t, prepend=thinned.t[0]))
         return dataclasses.replace(thinned, smear=_SMEARED * float(np.ptp(x)))
 
-    def through_play(self) -> Motion:
+    def through_play(self) -> PrescribedMotion:
         """The same of an actuator that moves the contact through a play."""
         blur = 0.0
         if self.measured is not None:
@@ -210,7 +210,7 @@ class Motion(Compared):
         return dataclasses.replace(self, in_play=True, blur=blur)
 
 
-def motion_of(rec: Record, load: float | None, label: str, any_start: bool = False, leads: bool = True) -> Motion:
+def motion_of(rec: Record, load: float | None, label: str, any_start: bool = False, leads: bool = True) -> PrescribedMotion:
     """The motion of a record with a position (or velocity) and a force.
 
     If it is periodic from its first sample on and `leads`, its first period leads in, so that the law is in its cycle; otherwise the law
@@ -257,7 +257,7 @@ def motion_of(rec: Record, load: float | None, label: str, any_start: bool = Fal
         same = np.concatenate([[True], side[1:] == side[:-1]]) & np.concatenate([side[1:] == side[:-1], [True]])
         own = same * own
     level = noise(rec["load"].si) if load is None else 0.0
-    made = Motion(t, v, N, F, lead, flipped, label, "; ".join(remarks) or None, own, any_start=any_start and not lead,
+    made = PrescribedMotion(t, v, N, F, lead, flipped, label, "; ".join(remarks) or None, own, any_start=any_start and not lead,
                   load_noise=level if np.isfinite(level) else 0.0)  # fmt: skip
     if smooth is None:
         return made

@@ -104,7 +104,7 @@ def _fitted(problem: Any, known: list[Numbers], effects: Iterable[str], inside: 
         return None
     if end.stopped:
         raise Interrupted
-    point = end.place
+    point = end.point
     for k in idle:
         point = np.insert(point, k, 0.5)
     scale = abs(_differences(known, effects)).max(axis=0)

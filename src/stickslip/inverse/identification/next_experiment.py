@@ -16,7 +16,7 @@ from stickslip.basics.phrases import listed
 from stickslip.inverse.identification.designing import (
     USES,
     Design,
-    Experiment,
+    PlannedExperiment,
     curve_and_slopes,
     in_words,
     record_of,
@@ -26,7 +26,7 @@ from stickslip.inverse.identification.designing import (
 from stickslip.inverse.identification.drive_harmonics import harmonics_of
 from stickslip.inverse.identification.fit_text import OVER_MOTION, unit_of_values
 from stickslip.inverse.identification.force_problem import DrivenProblem
-from stickslip.inverse.identification.least_squares import Sensed
+from stickslip.inverse.identification.least_squares import MeasuredProblem
 from stickslip.inverse.identification.logs_of_machines import APPLIED, bench_of
 from stickslip.inverse.identification.motions import motion_of
 from stickslip.inverse.identification.sensor_readings import known_rows, of_records
@@ -140,7 +140,9 @@ def _rows_of(fit: Fit) -> Any:
     return fit.jacobian * determined / fit.scale
 
 
-def _expected(fit: Fit, rows: Any, chosen: dict[str, Any], how: dict[str, Any], samples: int) -> tuple[Experiment, tuple[float, float]]:
+def _expected(
+    fit: Fit, rows: Any, chosen: dict[str, Any], how: dict[str, Any], samples: int
+) -> tuple[PlannedExperiment, tuple[float, float]]:
     """The expected result of the records so far with one more experiment, and its rank."""
     own = _moved(fit, chosen, how, samples) if _over_motion(fit) else _driven(fit, chosen, how, samples)
     n, m = len(fit.values), rows.shape[1]
@@ -155,7 +157,7 @@ def _expected(fit: Fit, rows: Any, chosen: dict[str, Any], how: dict[str, Any], 
     volume = float(np.linalg.slogdet(covariance[np.ix_(known, known)])[1]) if known.any() else 0.0
     errors = dict(zip(fit.names, (size * abs(fit.slopes)).tolist(), strict=True))
     moved = np.sqrt(np.mean(own[:, :n] ** 2, axis=0)) * 0.1 * np.abs(list(fit.values.values())) / np.abs(fit.slopes)
-    return Experiment((chosen,), errors, float("nan"), dict(zip(fit.names, moved.tolist(), strict=True))), (open_ones, volume)
+    return PlannedExperiment((chosen,), errors, float("nan"), dict(zip(fit.names, moved.tolist(), strict=True))), (open_ones, volume)
 
 
 def _same(fit: Fit) -> list[tuple[int, Any]]:
@@ -203,10 +205,10 @@ def _moved(fit: Fit, chosen: dict[str, Any], how: dict[str, Any], samples: int) 
     target = _sine(fit, of, chosen, samples)
     problem = DrivenProblem(of, (target,), float(how["noise"]), 1, model.holds)
     numbers, held = _numbers(fit, how["sensor"], target)
-    problem_with_sensors = Sensed(problem, tuple(numbers), held)
-    place = np.concatenate([fit.place[: len(of.free)], [n.value for n in numbers]])
-    predicted = problem_with_sensors.predicted(place)
-    return problem_with_sensors.with_values(predicted).jacobian(place)
+    problem_with_sensors = MeasuredProblem(problem, tuple(numbers), held)
+    point = np.concatenate([fit.point[: len(of.free)], [n.value for n in numbers]])
+    predicted = problem_with_sensors.predicted(point)
+    return problem_with_sensors.with_values(predicted).jacobian(point)
 
 
 def _sine(fit: Fit, of: Any, chosen: dict[str, Any], samples: int) -> Any:
@@ -232,7 +234,7 @@ def _frequency(t: Array, x: Array) -> float:
     return max(crossings, 1) / (2 * float(t[-1] - t[0]))
 
 
-def _verdict(fit: Fit, best: Experiment) -> str:
+def _verdict(fit: Fit, best: PlannedExperiment) -> str:
     left = [name for name in fit.undetermined if not np.isfinite(best.errors[name])]
     determined = [name for name in fit.undetermined if name not in left]
     if not fit.undetermined:

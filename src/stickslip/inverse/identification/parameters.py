@@ -115,7 +115,7 @@ class Parameters:
         """Free values at a point between the bounds; arrays if `point` has a second axis (parameters, cases)."""
         return {f.name: f.outer(p)[()] for f, p in zip(self.free, point, strict=True)}
 
-    def place(self, values: dict[str, float]) -> Any:
+    def point(self, values: dict[str, float]) -> Any:
         """The point of these values."""
         return np.array([float(f.inner(values[f.name])) for f in self.free])
 

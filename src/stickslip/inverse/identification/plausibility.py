@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.contracts import Array, Model
-from stickslip.inverse.identification.least_squares import Sensed
+from stickslip.inverse.identification.least_squares import MeasuredProblem
 from stickslip.inverse.identification.targets import Target
 from stickslip.models.drives.drive_adapter import MISTAKEN
 from stickslip.models.machine_adapter import is_machine, machine_of
@@ -18,7 +18,7 @@ _APART = 0.01  # relative distance of two frequencies that no clock has
 _OTHER_UNIT = 30.0  # ratio of two motions beyond which a unit is likelier to be wrong than a number of the model
 
 
-def doubts(problem: Sensed, values: dict[str, float], point: Array) -> list[str]:
+def contradictions(problem: MeasuredProblem, values: dict[str, float], point: Array) -> list[str]:
     """Sentences on what does not go together, at the end of a fit; none of forces over a motion."""
     curves = [(i, t) for i, t in enumerate(problem.targets) if isinstance(t, Target) and t.kind != "mean"]
     models = {i: problem.parameters.model(values, i) for i, _ in curves}

@@ -44,7 +44,7 @@ class OfFit:
 
     def inputs(self, u: Array) -> dict[str, Array]:
         """The parameters, for u evenly spread between 0 and 1."""
-        return self._values(self.fit.place[: len(self.names), None] + _root(self.fit) @ _normal(u))
+        return self._values(self.fit.point[: len(self.names), None] + _root(self.fit) @ _normal(u))
 
     def numbers(self, u: Array) -> dict[str, Array]:
         """The numbers of the machine."""
@@ -53,7 +53,7 @@ class OfFit:
     def alone(self, name: str, u: Array) -> dict[str, Array]:
         """The numbers where one parameter is at some parts of its own distribution and the others are as fitted."""
         k, u = self.names.index(name), np.asarray(u, float)
-        points = np.repeat(self.fit.place[: len(self.names), None], u.size, axis=1)
+        points = np.repeat(self.fit.point[: len(self.names), None], u.size, axis=1)
         points[k] += np.linalg.norm(_root(self.fit)[k]) * _normal(u)
         return self._numbers(self._values(points))
 
@@ -96,7 +96,7 @@ def distribution_of(fit: Fit, machine: Any, problems: Problems) -> OfFit | None:
 
 def _moved(fit: Fit) -> list[str]:
     """The numbers of the fitted model that depend on its parameters."""
-    parameters, point = fit.problem.parameters, fit.place[: len(fit.names)]
+    parameters, point = fit.problem.parameters, fit.point[: len(fit.names)]
     shifted = point[:, None] + 1e-4 * np.where(point < 0.5, 1.0, -1.0)[:, None] * np.eye(len(point))
     base, many = (dict(leaves(parameters.model(parameters.values(p), 0))) for p in (point, shifted))
     return [name for name, value in base.items() if np.any(np.asarray(many[name]) != value)]

@@ -9,8 +9,8 @@ import numpy as np
 
 from stickslip.basics.phrases import listed
 from stickslip.inverse.identification.covariance import information_of, neighbours, noise_scale, noise_sizes, with_noise_of
-from stickslip.inverse.identification.least_squares import Sensed
-from stickslip.inverse.identification.search import Found, polished
+from stickslip.inverse.identification.least_squares import MeasuredProblem
+from stickslip.inverse.identification.search import SearchEnd, polished
 from stickslip.inverse.identification.weighting import robust_weights
 
 _SHAPED = 0.9  # correlation of neighbouring residuals of a force above which they are not noise, of any colour
@@ -20,35 +20,35 @@ _ROUNDS = 4  # times that the noise is found anew
 _WEIGHINGS, _STEADY = 12, 0.01  # times that weights of a robust loss are found anew, and by how much they may still differ
 
 
-def finished(problem: Sensed, rough: Found) -> tuple[Sensed, Found]:
+def finished(problem: MeasuredProblem, rough: SearchEnd) -> tuple[MeasuredProblem, SearchEnd]:
     """The problem with its noise as the residuals have it, and the best place."""
-    place = problem.whole(rough.place)
+    point = problem.whole(rough.point)
     if rough.stopped:
-        return problem, Found(place, problem.residuals(place), problem.jacobian(place), rough.steps, True)
-    best = polished(problem, place)
+        return problem, SearchEnd(point, problem.residuals(point), problem.jacobian(point), rough.steps, True)
+    best = polished(problem, point)
     for _ in range(_ROUNDS):
         with_noise = with_noise_of(problem, best)
         if best.stopped or with_noise is problem:
             break
-        problem, best = with_noise, polished(with_noise, best.place)
+        problem, best = with_noise, polished(with_noise, best.point)
     return problem, best
 
 
-def held_back(weigh: Any, problem: Sensed, best: Found) -> tuple[Sensed, Found]:
+def held_back(weigh: Any, problem: MeasuredProblem, best: SearchEnd) -> tuple[MeasuredProblem, SearchEnd]:
     """The best place where outliers count less, by weights that are found anew until they stay."""
     plain, before = problem, np.ones(len(problem.y))
     for _ in range(_WEIGHINGS):
-        rows = robust_weights(weigh, plain.parts(plain.residuals(best.place)[: len(before)]))
+        rows = robust_weights(weigh, plain.parts(plain.residuals(best.point)[: len(before)]))
         if best.stopped or abs(rows - before).max() < _STEADY:
             break
         weighed, before = plain.weighing(rows), rows
-        sizes = noise_sizes(weighed, dataclasses.replace(best, residuals=weighed.residuals(best.place)))
+        sizes = noise_sizes(weighed, dataclasses.replace(best, residuals=weighed.residuals(best.point)))
         problem = weighed.trusting(weighed.trust, sizes)
-        best = polished(problem, best.place)
+        best = polished(problem, best.point)
     return problem, best
 
 
-def canonical(problem: Sensed, best: Found, spared: list[str]) -> Found:
+def canonical(problem: MeasuredProblem, best: SearchEnd, spared: list[str]) -> SearchEnd:
     """The same fit where numbers of sensors that are spared, or not determined, are those of ideal sensors; their errors stay in it.
 
     One that the fit needs, within the bounds of the others, stays as it is.
@@ -64,50 +64,50 @@ def canonical(problem: Sensed, best: Found, spared: list[str]) -> Found:
     if not held:
         return best
     kept = _kept(problem, held)
-    place = np.array([*best.place[: problem.first], *(n.neutral for n in problem.numbers)])
-    place[kept] = fitted.place
-    return Found(place, problem.residuals(place), problem.jacobian(place), best.steps)
+    point = np.array([*best.point[: problem.first], *(n.neutral for n in problem.numbers)])
+    point[kept] = fitted.point
+    return SearchEnd(point, problem.residuals(point), problem.jacobian(point), best.steps)
 
 
-def _holding(problem: Sensed, best: Found, names: Any) -> Found:
+def _holding(problem: MeasuredProblem, best: SearchEnd, names: Any) -> SearchEnd:
     """The fit where some numbers of sensors are those of ideal ones."""
-    return polished(problem.holding(names), best.place[_kept(problem, names)]) if names else best
+    return polished(problem.holding(names), best.point[_kept(problem, names)]) if names else best
 
 
-def _kept(problem: Sensed, held: Any) -> Any:
+def _kept(problem: MeasuredProblem, held: Any) -> Any:
     """Which numbers of a place are left if some of the sensors are held."""
     return np.array([True] * problem.first + [n.name not in held for n in problem.numbers])
 
 
-def _lost(problem: Sensed, held: Any, end: Found) -> list[str]:
+def _lost(problem: MeasuredProblem, held: Any, end: SearchEnd) -> list[str]:
     """Numbers of sensors that the data do not determine if some are held, in the order of the problem."""
     reduced = problem.holding(held) if held else problem
     return [reduced.numbers[k - reduced.first].name for k in undetermined(reduced, end) if k >= reduced.first]
 
 
-def spared_numbers(problem: Sensed, best: Found) -> list[str]:
+def spared_numbers(problem: MeasuredProblem, best: SearchEnd) -> list[str]:
     """Of the numbers that would make up for what a law lacks, those without which the fit leaves no more than twice as much."""
-    effects = list(dict.fromkeys(n.what for n in problem.numbers if n.name in (names := _chasing(problem, best))))
-    while effects:
+    families = list(dict.fromkeys(n.what for n in problem.numbers if n.name in (names := _chasing(problem, best))))
+    while families:
         tried: list[tuple[float, list[str]]] = []
-        for out in (None, *effects):
-            way = [e for e in effects if e != out]
+        for out in (None, *families):
+            way = [e for e in families if e != out]
             spared = [n.name for n in problem.numbers if n.what in way and n.name in names]
             tried.append((_holding(problem, best, spared).cost, way))
             if tried[-1][0] <= _MAKES_UP * best.cost:
                 return spared
-        effects = min(tried[1:])[1]
+        families = min(tried[1:])[1]
     return []
 
 
-def _chasing(problem: Sensed, best: Found) -> list[str]:
+def _chasing(problem: MeasuredProblem, best: SearchEnd) -> list[str]:
     """Numbers of load cells that nobody asked for and that would make up for what the law lacks.
 
     What is left then has a shape, or a number is far off what is known of it.
     """
     if problem.given is not None:
         return []
-    off = problem.against_what_is_known(best.place)
+    off = problem.against_what_is_known(best.point)
     odd = {i for n in problem.numbers if n.name in off for i in n.records}
     odd |= {i for i, rest in enumerate(problem.parts(best.residuals[: len(problem.y)])) if neighbours(rest) > _SHAPED}
     cells = [n for n in problem.numbers if n.what != "start"]  # how bristles begin is of the contact
@@ -122,6 +122,6 @@ def spared_note(names: list[str]) -> list[str]:
     return [f"{left}: the values are those of an ideal sensor, and the intervals allow for a real one"]
 
 
-def undetermined(problem: Sensed, end: Found) -> list[int]:
+def undetermined(problem: MeasuredProblem, end: SearchEnd) -> list[int]:
     """Which numbers of a place the data do not determine."""
     return [int(k) for k in np.flatnonzero(information_of(problem, end.jacobian).undetermined)]

@@ -69,7 +69,7 @@ def sample(
 
     emcee = library("sample", "emcee", _NEEDED)
     low, high = (np.array(side) for side in fit.problem.bounds())
-    size = len(fit.place)
+    size = len(fit.point)
     count = max(2 * size + 2, 16) if walkers is None else walkers
     ahead = max(draws // 2, 100) if burn is None else burn
     _check(draws, count, ahead, size)
@@ -112,10 +112,10 @@ def _check(draws: int, walkers: int, burn: int, size: int) -> None:
 def _walkers(fit: Fit, count: int, low: Any, high: Any, rng: Any) -> Any:
     """Where walkers begin: about the best point as the covariance has it, over all of what the data do not determine."""
     determined = determined_spread(fit.problem, fit.jacobian, fit.residuals, fit.scale, fit.changes, fit.misfit)
-    points = fit.place + _SPREAD * rng.normal(size=(count, len(fit.place))) @ root_of(determined).T
+    points = fit.point + _SPREAD * rng.normal(size=(count, len(fit.point))) @ root_of(determined).T
     for members, directions in fit.information.groups:
         for direction in directions:
-            along = np.zeros(len(fit.place))
+            along = np.zeros(len(fit.point))
             along[members] = direction / max(float(abs(direction).max()), 1e-300)
             points += _OPEN * rng.uniform(-1, 1, (count, 1)) * along
     room = np.where(np.isfinite(high - low), high - low, 1.0)
@@ -227,7 +227,7 @@ def bands(fit: Fit, record: int = 0, level: float = 0.95, samples: xr.Dataset | 
 def _drawn(fit: Fit, draws: int, rng: Any) -> Any:
     """Places as the covariance spreads them; along what the data do not determine nothing measured changes."""
     root = root_of(determined_spread(fit.problem, fit.jacobian, fit.residuals, fit.scale, fit.changes, fit.misfit))
-    return np.clip(fit.place + rng.normal(size=(draws, len(fit.place))) @ root.T, *fit.problem.bounds())
+    return np.clip(fit.point + rng.normal(size=(draws, len(fit.point))) @ root.T, *fit.problem.bounds())
 
 
 def _of_samples(fit: Fit, samples: xr.Dataset, draws: int, rng: Any) -> Any:

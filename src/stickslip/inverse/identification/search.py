@@ -28,10 +28,10 @@ _PLATEAU = 1e-9  # points whose sums of squares differ by a smaller part give on
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Found:
+class SearchEnd:
     """Where a search ended: the point, residuals there, their derivatives, and in how many steps."""
 
-    place: Any
+    point: Any
     residuals: Any
     jacobian: Any
     steps: int
@@ -51,17 +51,17 @@ def multistart(numbers: int, starts: int, seed: int) -> Any:
 
 def starting_points(of: Any, starts: int, seed: int) -> Any:
     """Places of a multistart of free parameters (`Parameters`), within what the laws demand of them."""
-    return np.array([of.limits.place(inner) for inner in multistart(len(of.free), starts, seed)])
+    return np.array([of.limits.point(inner) for inner in multistart(len(of.free), starts, seed)])
 
 
 def searched(
     problem: Any, starts: int, seed: int, progress: Callable[[int, int], None] | None = None, seeds: Callable[[], list[Any]] = list
-) -> tuple[Found, int]:
+) -> tuple[SearchEnd, int]:
     """The best point of a multistart, and how many of the polished starts ended there, roughly.
 
     Parameters
     ----------
-    problem : Sensed
+    problem : MeasuredProblem
     starts : int
         Places of the multistart (a Sobol sequence, and the middle).
     seed : int
@@ -76,7 +76,7 @@ def searched(
     ending.needs(judged)
     if ending.interrupted:
         point = min(judged, key=lambda pair: pair[0])[1]
-        ends = [Found(point, problem.residuals(point), problem.jacobian(point), 0, stopped=True)]
+        ends = [SearchEnd(point, problem.residuals(point), problem.jacobian(point), 0, stopped=True)]
     best = min(ends, key=lambda end: end.cost)
     agree = sum(end.cost < 1.01 * best.cost + 1e-9 for end in ends)
     if progress and not ends[-1].stopped:
@@ -86,7 +86,7 @@ def searched(
 
 def _ends(
     problem: Any, starts: int, seed: int, progress: Reported | None, seeds: Callable[[], list[Any]], judged: list[tuple[float, Any]]
-) -> list[Found]:
+) -> list[SearchEnd]:
     """Where steps from the best points end; the points that were judged by their curves are noted."""
     points = starting_points(problem.parameters, starts, seed)
     score = problem.coarse(points)
@@ -104,7 +104,7 @@ def _ends(
     kept = _spread(sorted(judged, key=lambda pair: pair[0]), problem.first)
     if kept and problem.has_known_rows:  # what is known beforehand counts by the noise, of which the best point tells most
         problem = problem.trusting(max(float(np.sqrt(kept[0][0] / len(problem.y))), 1.0))
-    ends: list[Found] = []
+    ends: list[SearchEnd] = []
     for k, point in enumerate([*inside, *(point for _, point in kept)]):
         if progress:
             progress(min(k, _POLISHED), _POLISHED + 1)
@@ -134,7 +134,7 @@ def _spread(chosen: list[tuple[float, Any]], first: int) -> list[tuple[float, An
 
 
 @in_one_thread
-def polished(problem: Any, point: Array, rough: bool = False) -> Found:
+def polished(problem: Any, point: Array, rough: bool = False) -> SearchEnd:
     """Trust-region steps from a point to the nearest least sum of squares; who interrupts them gets the best point so far."""
     from scipy.optimize import least_squares
 
@@ -143,19 +143,19 @@ def polished(problem: Any, point: Array, rough: bool = False) -> Found:
     inside = np.clip(best.limits.inner(point), low + 1e-9, high - 1e-9)
     if len(inside) == 0:
         rest = problem.residuals(inside)
-        return Found(inside, rest, np.empty((len(rest), 0)), 0)
+        return SearchEnd(inside, rest, np.empty((len(rest), 0)), 0)
     with partial_result() as ending:
         fit = least_squares(
             looking(best), inside, jac=best.jacobian, bounds=(low, high), x_scale="jac",
             ftol=1e-4 if rough else 1e-9, xtol=1e-5 if rough else 1e-8, gtol=1e-12, max_nfev=12 if rough else 60,
         )  # fmt: skip
-    ending.needs(best.place is not None)
+    ending.needs(best.point is not None)
     if ending.interrupted:
-        return Found(best.place, best.residuals, problem.jacobian(best.place), best.steps, stopped=True)
-    return Found(best.limits.place(fit.x), fit.fun, best.slopes, int(fit.nfev))
+        return SearchEnd(best.point, best.residuals, problem.jacobian(best.point), best.steps, stopped=True)
+    return SearchEnd(best.limits.point(fit.x), fit.fun, best.slopes, int(fit.nfev))
 
 
-def polished_to_end(problem: Any, point: Array, rough: bool = False) -> Found:
+def polished_to_end(problem: Any, point: Array, rough: bool = False) -> SearchEnd:
     """The same for whoever needs the least sum of squares itself: an interruption goes on."""
     end = polished(problem, point, rough)
     if end.stopped:
@@ -169,19 +169,19 @@ class _Best:
     def __init__(self, problem: Any):
         self.problem, self.steps = problem, 0
         self.limits = problem.parameters.limits
-        self.place: Any = None
+        self.point: Any = None
         self.residuals: Any = None
         self.slopes: Any = None  # by the point, where derivatives were asked for last: where the best point was reached
 
     def __call__(self, inner: Any) -> Any:
-        point = self.limits.place(inner)
+        point = self.limits.point(inner)
         residuals = self.problem.residuals(point)
         self.steps += 1
         if self.residuals is None or residuals @ residuals < self.residuals @ self.residuals:
-            self.place, self.residuals = np.array(point), residuals
+            self.point, self.residuals = np.array(point), residuals
         return residuals
 
     def jacobian(self, inner: Any) -> Any:
         """Derivatives by the coordinates."""
-        self.slopes = self.problem.jacobian(self.limits.place(inner))
-        return self.slopes @ self.limits.slopes_of_place(inner) if len(self.limits.slopes) else self.slopes
+        self.slopes = self.problem.jacobian(self.limits.point(inner))
+        return self.slopes @ self.limits.slopes_of_point(inner) if len(self.limits.slopes) else self.slopes

@@ -83,7 +83,7 @@ class Smooth:
 
     Parameters
     ----------
-    channels : tuple of Sensed
+    channels : tuple of MotionChannel
     spline : Any
         Position over time.
     weight : float

@@ -131,8 +131,8 @@ class Target(Compared):
 
 def of_body(summary: Any, name: str, body: int | None) -> Any:
     """A column of a summary, of a machine of several bodies that of one."""
-    found = np.asarray(getattr(summary, name), float)
-    return found if body is None or "body" not in VARIABLES[name].dims else found[..., body]
+    column = np.asarray(getattr(summary, name), float)
+    return column if body is None or "body" not in VARIABLES[name].dims else column[..., body]
 
 
 def target(
@@ -150,8 +150,8 @@ def target(
     if not transient:
         rec, _, remark = settled(rec, settle, frequency)
     if kind == "mean":
-        found = mean_velocity(rec, frequency)
-        return dataclasses.replace(mean_target(found.value, sigma if sigma is not None else found.error, label), remark=remark)
+        mean = mean_velocity(rec, frequency)
+        return dataclasses.replace(mean_target(mean.value, sigma if sigma is not None else mean.error, label), remark=remark)
     t, y = measured_samples(rec[kind])
     own = weights_at(rec, t)
     t, y, own = t[own > 0], y[own > 0], own[own > 0]

@@ -40,14 +40,14 @@ def calibrated(fit: Fit, name: str) -> Fit:
 def known_to_be(fit: Fit, numbers: list[str], free: Sequence[str] = ()) -> Fit:
     """The same fit if these numbers of the sensors and these parameters were known to be as they are fitted."""
     of, first = fit.problem.parameters.free, fit.problem.first
-    problem = fit.problem.holding(numbers, fit.place).only({name: fit.values[name] for name in free})
+    problem = fit.problem.holding(numbers, fit.point).only({name: fit.values[name] for name in free})
     free_numbers = [f.name not in free for f in of] + [True] * (first - len(of)) + [n.name not in numbers for n in fit.problem.numbers]
     known = [f.name not in free for f in of if f.prior] + [n.name not in numbers for n in fit.problem.numbers if n.prior]
     kept, rows = np.array(free_numbers, bool), np.array([True] * fit.count + known, bool)
     jacobian = fit.jacobian[rows][:, kept]
     return dataclasses.replace(
-        fit, values={n: v for n, v in fit.values.items() if n not in free}, problem=problem, place=fit.place[kept], jacobian=jacobian,
-        spread=spread_of(problem, jacobian, fit.residuals, fit.scale, fit.changes, fit.misfit), penalty=problem.penalty(fit.place[kept]),
+        fit, values={n: v for n, v in fit.values.items() if n not in free}, problem=problem, point=fit.point[kept], jacobian=jacobian,
+        spread=spread_of(problem, jacobian, fit.residuals, fit.scale, fit.changes, fit.misfit), penalty=problem.penalty(fit.point[kept]),
     )  # fmt: skip
 
 
@@ -98,7 +98,7 @@ def by_input(fit: Fit, name: str, level: float) -> tuple[float, float]:
 def about(fit: Fit, k: int, half: float) -> tuple[float, float]:
     """The interval so far on either side of a point, within the bounds."""
     free = fit.problem.parameters.free[k]
-    low, high = np.clip([fit.place[k] - half, fit.place[k] + half], 0.0, 1.0)
+    low, high = np.clip([fit.point[k] - half, fit.point[k] + half], 0.0, 1.0)
     return float(free.outer(low)), float(free.outer(high))
 
 
@@ -118,13 +118,13 @@ def by_either(fit: Fit, name: str, level: float) -> tuple[float, float]:
 
 def _profile_end(fit: Fit, k: int, sign: float, rise: float) -> float:
     bound = 0.0 if sign < 0 else 1.0
-    room = abs(bound - fit.place[k])
+    room = abs(bound - fit.point[k])
     if room <= 1e-12:
         return bound
     step = min(np.sqrt(rise) / fit.scale * _inner_error(fit, k) if np.isfinite(_inner_error(fit, k)) else room, room)
-    near, far, start, least = 0.0, None, fit.place, 1.05
+    near, far, start, least = 0.0, None, fit.point, 1.05
     for _ in range(_PROFILED):
-        risen, start_there = _risen(fit, k, fit.place[k] + sign * step, start)
+        risen, start_there = _risen(fit, k, fit.point[k] + sign * step, start)
         if risen < rise:
             near, start = step, start_there
             if step >= room:
@@ -142,7 +142,7 @@ def _profile_end(fit: Fit, k: int, sign: float, rise: float) -> float:
             step = guess if near < guess < far and near == 0.0 else 0.5 * (near + far)
         if far is not None and far - near < 1e-3 * far:
             break
-    return float(np.clip(fit.place[k] + sign * near, 0.0, 1.0))
+    return float(np.clip(fit.point[k] + sign * near, 0.0, 1.0))
 
 
 def _risen(fit: Fit, k: int, held: float, start: Any) -> tuple[float, Any]:
@@ -153,7 +153,7 @@ def _risen(fit: Fit, k: int, held: float, start: Any) -> tuple[float, Any]:
     tried = [np.delete(point, k) for point in (start, _followed(fit, k, held, start))]
     sums = [float(rest @ rest) for rest in map(problem.residuals, tried)]
     end = polished_to_end(problem, tried[int(np.argmin(sums))], rough=True)
-    return end.cost - fit.cost - (looser - 1) * fit.penalty, np.insert(end.place, k, held)
+    return end.cost - fit.cost - (looser - 1) * fit.penalty, np.insert(end.point, k, held)
 
 
 def _looser(fit: Fit, k: int) -> float:
@@ -216,14 +216,14 @@ def _sensors_at_bounds(fit: Fit) -> list[str]:
     sentences = []
     for k, number in enumerate(fit.problem.numbers, fit.problem.first):
         low, high = number.bounds
-        if np.isfinite(high - low) and min(fit.place[k] - low, high - fit.place[k]) < 1e-4 * (high - low):
-            sentences.append(f"{number.name} of {number.of} ends at its bound {fit.place[k]:.5g}")
+        if np.isfinite(high - low) and min(fit.point[k] - low, high - fit.point[k]) < 1e-4 * (high - low):
+            sentences.append(f"{number.name} of {number.of} ends at its bound {fit.point[k]:.5g}")
     return sentences
 
 
 def _against_what_is_known(fit: Fit) -> list[str]:
     """Sentences on numbers that are far off what was known of them."""
-    off = fit.problem.against_what_is_known(fit.place).items()
+    off = fit.problem.against_what_is_known(fit.point).items()
     owner = {number.name: f" of {number.of}" for number in fit.problem.numbers}
     return [f"{name}{owner.get(name, '')} is {size:.2g} standard deviations off its prior" for name, size in off]
 
@@ -231,13 +231,13 @@ def _against_what_is_known(fit: Fit) -> list[str]:
 def _at_bounds(fit: Fit) -> list[str]:
     """Parameters that end at a bound, or at what the law demands of them beside the others (static friction not below kinetic)."""
     names = [name for k, name in enumerate(fit.names) if not fit.information.undetermined[k]]
-    inner = dict(zip(fit.names, fit.problem.parameters.limits.inner(fit.place), strict=False))
+    inner = dict(zip(fit.names, fit.problem.parameters.limits.inner(fit.point), strict=False))
     return [name for name in names if min(inner[name], 1 - inner[name]) < _AT_BOUND]
 
 
 def _at_bound(fit: Fit, k: int) -> str:
     """The consequence of a parameter that ends at a bound."""
-    if min(fit.place[k], 1 - fit.place[k]) < _AT_BOUND:
+    if min(fit.point[k], 1 - fit.point[k]) < _AT_BOUND:
         return "widen the bound, or these data do not determine it"
     return "its law allows no less (or no more) beside the other numbers, and these data show nothing that would need it"
 
@@ -313,11 +313,11 @@ def _stays_up(fit: Fit, k: int, along: Any, end: float) -> bool:
 
     The other numbers follow by two steps of Gauss and Newton: over a shoulder they need not go on as they did up to it.
     """
-    others, rows = np.arange(len(fit.place)) != k, fit.jacobian[:, np.arange(len(fit.place)) != k]
+    others, rows = np.arange(len(fit.point)) != k, fit.jacobian[:, np.arange(len(fit.point)) != k]
     follow = Information(rows[: fit.count], fit.problem.resolution, rows[fit.count :]).inverse
     low, high = fit.problem.bounds()
     for part, side in _sides(fit, along, _BEYOND * end):
-        point = fit.place + part * side
+        point = fit.point + part * side
         costs = []
         for _ in range(_FOLLOWS):
             rest = fit.problem.residuals(point)
@@ -334,7 +334,7 @@ def open_parameters(fit: Fit) -> tuple[str, ...]:
     At either bound the sum of squares rises by less than the level allows once the others follow.
     """
     bent = [(name, fit.names.index(name)) for name in fit.bent]
-    return tuple(name for name, k in bent if all(_risen(fit, k, end, fit.place)[0] < _rise(fit, k, _LEVEL) for end in (0.0, 1.0)))
+    return tuple(name for name, k in bent if all(_risen(fit, k, end, fit.point)[0] < _rise(fit, k, _LEVEL) for end in (0.0, 1.0)))
 
 
 def _allowed(fit: Fit, k: int, level: float) -> float:
@@ -348,7 +348,7 @@ def _parabolic(fit: Fit, along: Any, away: float) -> bool:
     """Whether the sum of squares rises as a parabola so many standard errors away on either side, or as far as a bound is."""
     rises = []
     for part, side in _sides(fit, along, away):
-        rest = fit.problem.residuals(fit.place + part * side)
+        rest = fit.problem.residuals(fit.point + part * side)
         rises.append((float(rest @ rest) - fit.cost) / (part * fit.scale) ** 2)
     return bool(rises) and all(_LEAST < rise < _MOST for rise in rises)
 
@@ -359,7 +359,7 @@ def _sides(fit: Fit, along: Any, away: float) -> list[tuple[float, Any]]:
     ways = []
     for side in (along, -along):
         with np.errstate(divide="ignore", invalid="ignore"):
-            room = np.where(side > 0, (high - fit.place) / side, np.where(side < 0, (low - fit.place) / side, np.inf))
+            room = np.where(side > 0, (high - fit.point) / side, np.where(side < 0, (low - fit.point) / side, np.inf))
         ways.append((min(float(np.min(room)), away), side))
     return [(part, side) for part, side in ways if part > _NEAR_BOUND]
 

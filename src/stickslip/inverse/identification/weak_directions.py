@@ -63,7 +63,7 @@ def sharpened(jacobian: Array, along: Callable[[Any], Any], singular: float) -> 
 
 
 def derivative_along(problem: Any, point: Array, slopes: Any, direction: Array) -> Any:
-    """Derivative of the residuals of a problem (`Sensed`) along a direction; None where bounds leave no room, or there is no model."""
+    """Derivative of the residuals of a `MeasuredProblem` along a direction; None where bounds leave no room, or there is no model."""
     sizes = np.sqrt(np.sum(slopes[:, : len(problem.parameters.free)] ** 2, axis=0))
     step = _STEP * float(min(sizes[sizes > 0], default=0.0))
     low, high = problem.bounds()

@@ -44,7 +44,7 @@ _LETTERS = {
 
 
 @dataclass(frozen=True, eq=False)
-class Extreme:
+class MotionExtreme:
     """The largest (sign 1) or smallest (sign -1) value of a traced expression over a motion."""
 
     system: System
@@ -64,7 +64,7 @@ class Extreme:
         return Along(graph, leaves | {s.t.name: graph.variable("d t")}).of(self.node)
 
 
-def extreme_of(of: Any, model: Model) -> Extreme | None:
+def extreme_of(of: Any, model: Model) -> MotionExtreme | None:
     """An extreme by the name of its column, or a user's observable; None where it is none, or not known from states and modes alone."""
     machine, observe = machine_of(model), tuple[tuple[str, Observable], ...]()
     if isinstance(of, Observable):
@@ -83,7 +83,7 @@ def extreme_of(of: Any, model: Model) -> Extreme | None:
     node = next((signal.node for signal in system.signals if name in signal.names), None)
     if node is None:  # a stop that throws back has no force
         return None
-    extreme = Extreme(system, node, 1.0 if kind == MOST else -1.0)
+    extreme = MotionExtreme(system, node, 1.0 if kind == MOST else -1.0)
     known = {system.modes[k].name for contact in system.contacts for k in contact.modes}
     modes = {each.name for each in needed_by([node, extreme.rate]) if each.op == "flag" and each.name.startswith("mode")}
     return extreme if modes <= known else None
@@ -113,7 +113,7 @@ class Looked:
         Derivatives of the strobe state.
     """
 
-    def __init__(self, extreme: Extreme, orbit: PeriodicOrbit, at: Coordinates, seeds: dict[str, Array], changes: Array):
+    def __init__(self, extreme: MotionExtreme, orbit: PeriodicOrbit, at: Coordinates, seeds: dict[str, Array], changes: Array):
         self.extreme, self.orbit, self.at, self.seeds, self.changes = extreme, orbit, at, seeds, changes
         self.model, self.run, self.count = orbit.model, orbit.run, len(changes)
         self.T, self.ends = float(orbit.model.period), np.asarray(orbit.run.pieces.t, float)

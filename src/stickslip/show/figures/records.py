@@ -133,7 +133,7 @@ def _abscissa(fit: Fit, record: int) -> tuple[Any, str]:
         return (moved - moved.mean()) * factor, f"position ({unit}m)"
     if fit.problem.batched:
         return target.t[target.at], "time (s)"
-    return np.mod(fit.problem.model._phase(fit.place, record), 1.0), "drive periods"
+    return np.mod(fit.problem.model._phase(fit.point, record), 1.0), "drive periods"
 
 
 def _means(fit: Fit, ax: Axes) -> Any:
