@@ -40,7 +40,7 @@ from stickslip.mechanisms import MECHANISMS
 from stickslip.models.machines import parts
 from stickslip.models.machines.parts import LINKS
 from stickslip.records import formats
-from stickslip.records.raw import Column, Raw
+from stickslip.records.raw import Raw, RawColumn
 from stickslip.results.storage import from_text
 from stickslip.show.cli import COMMANDS
 from stickslip.show.cli.declaring import commands_in, declaration, summary_line
@@ -150,7 +150,7 @@ def test_a_format_is_a_line_and_its_reader(monkeypatch, tmp_path):
     """Nobody else asks what a file is: the record, its source and the errors know the new one."""
     reader = types.ModuleType("stickslip.records.strain_logger")
     reader.parse = lambda data, allowance: Raw(
-        "LOG", table=True, columns=[Column("t", "s", np.arange(9.0)), Column("v", "m/s", np.ones(9))]
+        "LOG", table=True, columns=[RawColumn("t", "s", np.arange(9.0)), RawColumn("v", "m/s", np.ones(9))]
     )
     monkeypatch.setitem(sys.modules, reader.__name__, reader)
     new = formats.Format(("LOG",), lambda data: data[:3] == b"LOG", "strain_logger.parse")

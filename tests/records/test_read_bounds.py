@@ -13,7 +13,7 @@ from stickslip.basics.units import unit_of_heading
 from stickslip.records import json_pieces, stamped_lines
 from stickslip.records.reading import read_bytes
 from stickslip.records.text import _Plain
-from stickslip.records.text_lines import MOST_COLUMNS, Lines
+from stickslip.records.text_lines import MOST_COLUMNS, TextLines
 
 BIG = 400_000
 HOSTILE = {
@@ -90,7 +90,7 @@ def test_all_cells_of_quoted_tables_are_read_as_those_of_bare_ones(tmp_path):
 @each_row("end", ["\n", "\r\n", "\r"])
 def test_lines_are_those_of_a_list(end):
     text = end.join(["t,v", "", "1,2µ", "3"])
-    lines = Lines.of_text(text)
+    lines = TextLines.of_text(text)
     assert list(lines) == text.split(end) == [lines[i] for i in range(4)]
     assert list(lines[1:3]) == ["", "1,2µ"] and lines[-1] == "3" and lines.from_line(2).data == "1,2µ\n3".encode()
 
@@ -272,7 +272,7 @@ def test_blank_lines_are_left_out_and_counted_in_the_numbers_of_lines():
     np.testing.assert_array_equal(record["v"].values, [i % 7 + 0.25 if i != 20 else np.nan for i in range(40)])
     assert any("the first is line 182: 'oops'" in note for note in record.notes), "nine lines for each row before it, and the heading"
     numbers = "\n\n\n1\n\n\n2\n\n\n"
-    lines = Lines.of_text(numbers * 3)
+    lines = TextLines.of_text(numbers * 3)
     assert list(lines) == ["1", "2"] * 3 + [""] and [lines.number(i) for i in range(7)] == [4, 7, 13, 16, 22, 25, 28]
 
 

@@ -10,13 +10,13 @@ import numpy as np
 
 from stickslip.basics.contracts import ArrayLike
 from stickslip.basics.units import quantity_of
-from stickslip.records.raw import Column, Raw
+from stickslip.records.raw import Raw, RawColumn
 
 _TIME = re.compile(r"((t|time|times|zeit|x_value)[ _.]*\(?\d*\)?|seconds|elapsed( time)?|time[ _].*|.*[ _.]time|t[ _]?s|timestamp)", re.I)
 _FREQUENCY = re.compile(r"(f|freq.*|frequency.*)", re.I)
 
 
-def by_own_times(columns: list[Column], notes: list[str]) -> list[Column]:
+def by_own_times(columns: list[RawColumn], notes: list[str]) -> list[RawColumn]:
     """Columns with the times before them as their axis, where several columns of times are each followed by others."""
     at = [i for i, c in enumerate(columns) if c.axis is None and _tells_time(c) and _rises(c.values[np.isfinite(c.values)])]
     if len(at) < 2 or at[0] != 0 or any(b - a < 2 for a, b in pairwise([*at, len(columns)])):
@@ -31,25 +31,25 @@ def by_own_times(columns: list[Column], notes: list[str]) -> list[Column]:
     return columns_with_axes
 
 
-def _tells_time(c: Column) -> bool:
+def _tells_time(c: RawColumn) -> bool:
     return quantity_of(c.unit) == "time" or (c.unit is None and _TIME.fullmatch(c.name) is not None)
 
 
-def counted(c: Column, rate: float | None, notes: list[str]) -> Column:
+def counted(c: RawColumn, rate: float | None, notes: list[str]) -> RawColumn:
     """An axis for a channel that has none: times from the given rate, or sample numbers."""
     count = np.arange(len(c.values), dtype=float)
     if rate is not None:
         count /= rate
     count.setflags(write=False)  # nobody else has it: the channel takes it as it is
     if rate is not None:
-        return Column("time", "s", count)
+        return RawColumn("time", "s", count)
     notes.append(f"{c.name} has no time axis: its samples are counted; type rate=... [Hz] for times")
-    return Column("sample", None, count)
+    return RawColumn("sample", None, count)
 
 
-def table_axes(raw: Raw) -> dict[int, Column]:
+def table_axes(raw: Raw) -> dict[int, RawColumn]:
     """For each length of columns, the one that is their axis."""
-    axes: dict[int, Column] = {}
+    axes: dict[int, RawColumn] = {}
     for length in dict.fromkeys(len(c.values) for c in raw.columns):
         group = [c for c in raw.columns if c.axis is None and len(c.values) == length and c.values.dtype.kind == "f"]
         axis = _axis_of(group, raw.notes)
@@ -58,7 +58,7 @@ def table_axes(raw: Raw) -> dict[int, Column]:
     return axes
 
 
-def _axis_of(group: list[Column], notes: list[str]) -> Column | None:
+def _axis_of(group: list[RawColumn], notes: list[str]) -> RawColumn | None:
     for c in group:
         if _tells_time(c):
             return c

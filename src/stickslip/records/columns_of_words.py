@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from stickslip.records.dialects import SEPARATORS, Dialect, heading_cells
 from stickslip.records.stamps import is_clock, is_date
-from stickslip.records.text_lines import MOST_COLUMNS, Lines
+from stickslip.records.text_lines import MOST_COLUMNS, TextLines
 
 _SAMPLED = 400
 _MOST = 0.9  # part of the rows in which a column of numbers holds numbers
@@ -35,7 +35,7 @@ class LeftOut:
     words: str
 
 
-def without_words(lines: Lines, separator: str | None) -> LeftOut | None:
+def without_words(lines: TextLines, separator: str | None) -> LeftOut | None:
     """The columns of a table that do not hold numbers, beside some that do; None where there are none."""
     sampled = lines.sample(0, _SAMPLED)
     for mark in [separator] if separator else SEPARATORS.values():
@@ -68,7 +68,7 @@ def _part(holds: object, cells: list[str]) -> bool:
 _WAYS = (Dialect(";", ".", -1), Dialect(";", ",", -1))
 
 
-def _in_words(lines: Lines, loose: Dialect, width: int, wrong: Sequence[int]) -> str:
+def _in_words(lines: TextLines, loose: Dialect, width: int, wrong: Sequence[int]) -> str:
     """The names of columns that are left out, and the first cell that is not a number."""
     beginning = lines.part(0, lines.beginning(1000))
     rows = [(i, cells) for i, line in enumerate(beginning, 1) if len(cells := loose.all_cells(line)) == width]

@@ -13,7 +13,7 @@ import numpy as np
 
 from stickslip.basics.errors import InputError
 from stickslip.basics.units import unit_named, unit_of_heading
-from stickslip.records.text_lines import MOST_NUMBER, MOST_PREAMBLE, Lines, check_columns
+from stickslip.records.text_lines import MOST_NUMBER, MOST_PREAMBLE, TextLines, check_columns
 
 _NUMBER = {
     ".": re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eEdD][+-]?\d+)?"),
@@ -141,7 +141,7 @@ class _Tried:
 
 
 def sniffed(
-    lines: Lines, separator: str | None, decimal: str | None, notes: list[str], left_out: tuple[int, ...] = (), whole: int = -1
+    lines: TextLines, separator: str | None, decimal: str | None, notes: list[str], left_out: tuple[int, ...] = (), whole: int = -1
 ) -> tuple[Dialect, int]:
     """The dialect in which a text is a table, and its first row of numbers.
 
@@ -170,7 +170,7 @@ def sniffed(
     return chosen.dialect, chosen.first
 
 
-def _all_tried(lines: Lines, separator: str | None, decimal: str | None, left_out: tuple[int, ...], whole: int) -> list[_Tried]:
+def _all_tried(lines: TextLines, separator: str | None, decimal: str | None, left_out: tuple[int, ...], whole: int) -> list[_Tried]:
     quoted = any('"' in line for line in lines[: lines.beginning(_PREAMBLE + 2)])
     tried = []
     for mark in [separator] if separator else SEPARATORS.values():
@@ -181,7 +181,7 @@ def _all_tried(lines: Lines, separator: str | None, decimal: str | None, left_ou
     return tried
 
 
-def _tried(lines: Lines, loose: Dialect) -> _Tried | None:
+def _tried(lines: TextLines, loose: Dialect) -> _Tried | None:
     """How much of the text is a table in one dialect."""
     beginning = lines[: lines.beginning(_PREAMBLE, MOST_PREAMBLE)]
     widths = Counter(len(row) for row in (loose.row(line) for line in lines.sample(0, _SAMPLED)) if row)
@@ -199,7 +199,7 @@ def _tried(lines: Lines, loose: Dialect) -> _Tried | None:
     return _Tried(good / (len(sample) + before), dialect, first)
 
 
-def _why_not(lines: Lines, best: _Tried | None) -> str:
+def _why_not(lines: TextLines, best: _Tried | None) -> str:
     if best is None:
         searched = lines.beginning(_PREAMBLE, MOST_PREAMBLE)
         if searched < len(lines) and any(re.search(r"\d", line) for line in lines.sample(searched, _SAMPLED)):
@@ -215,7 +215,7 @@ def _why_not(lines: Lines, best: _Tried | None) -> str:
 _TYPE = 'type ss.read(path, separator=";", decimal=",")'
 
 
-def _distinct(able: list[_Tried], lines: Lines) -> list[_Tried]:
+def _distinct(able: list[_Tried], lines: TextLines) -> list[_Tried]:
     """One of those that read the same numbers; where decimal marks come only later in the file, the one that can read them."""
     distinct: dict[str, _Tried] = {}
     for t in able:
@@ -272,12 +272,12 @@ def _heading_line(lines: Sequence[str]) -> str | None:
     return next((line for line in reversed(lines) if line.strip()), None)
 
 
-def _names(t: _Tried, lines: Lines) -> list[str]:
+def _names(t: _Tried, lines: TextLines) -> list[str]:
     line = _heading_line(lines[: t.first])
     return [] if line is None else heading_cells(line, t.dialect)
 
 
-def _by_heading(able: list[_Tried], lines: Lines, notes: list[str]) -> list[_Tried]:
+def _by_heading(able: list[_Tried], lines: TextLines, notes: list[str]) -> list[_Tried]:
     """Those whose columns are as many as the headings name."""
     fitting = [t for t in able if len(_names(t, lines)) == t.dialect.width]
     wide, single = [t for t in fitting if t.dialect.width > 1], [t for t in fitting if t.dialect.width == 1]
@@ -290,7 +290,7 @@ def _by_heading(able: list[_Tried], lines: Lines, notes: list[str]) -> list[_Tri
     return fitting or able
 
 
-def _two_ways(able: list[_Tried], lines: Lines) -> str:
+def _two_ways(able: list[_Tried], lines: TextLines) -> str:
     ways = " or ".join(
         f"as {_columns(t.dialect.width)} with {t.dialect.words} "
         f"({', '.join(f'{x:g}' for x in t.dialect.numbers(lines[t.first])[:6] if x is not None)}{', ...' * (t.dialect.width > 6)})"
@@ -307,7 +307,7 @@ def _columns(count: int) -> str:
     return f"{count} column{'s' if count > 1 else ''}"
 
 
-def _check_columns(t: _Tried, lines: Lines, body: Lines, notes: list[str]) -> None:
+def _check_columns(t: _Tried, lines: TextLines, body: TextLines, notes: list[str]) -> None:
     """Headings that name fewer columns, and whole numbers with zeros before them, speak of commas or blanks within numbers."""
     names, dialect = _names(t, lines), t.dialect
     named = len(names) > 1 or (len(names) == 1 and unit_named(unit_of_heading(names[0])[1]) is not None)
@@ -329,7 +329,7 @@ def _check_columns(t: _Tried, lines: Lines, body: Lines, notes: list[str]) -> No
         _doubt_commas(dialect, body, notes)
 
 
-def _doubt_commas(dialect: Dialect, body: Lines, notes: list[str]) -> None:
+def _doubt_commas(dialect: Dialect, body: TextLines, notes: list[str]) -> None:
     """Whole numbers without headings: the commas may be decimal marks and separators at once."""
     if re.search(rb"(?<!\d)[+-]?0\d", body.data):
         raise InputError("read", [
@@ -359,7 +359,7 @@ _SPLIT = (
 )
 
 
-def _check_thousands(dialect: Dialect, body: Lines, notes: list[str]) -> None:
+def _check_thousands(dialect: Dialect, body: TextLines, notes: list[str]) -> None:
     """Commas that all stand before three digits may be decimal marks or marks between thousands: nothing in the file tells."""
     if dialect.decimal == "," and _always_three(_COMMA_TOKEN, body):
         raise InputError("read", [

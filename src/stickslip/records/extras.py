@@ -14,7 +14,7 @@ import numpy as np
 from stickslip.basics import optional
 from stickslip.basics.errors import InputError
 from stickslip.basics.unpacking import Allowance
-from stickslip.records.raw import Column, Raw
+from stickslip.records.raw import Raw, RawColumn
 
 _MISSING = '{what} files are read by {name}, which is not installed; type pip install "stickslip[io]"'
 _SCALE, _MOST_SCALES = re.compile(r"NI_Number_Of_Scales$|NI_Scale\[(\d+)\]"), 1000
@@ -59,7 +59,7 @@ def parse_tdms(data: bytes, allowance: Allowance) -> Raw:
                     continue
                 name = f"{group.name}.{channel.name}" if several else channel.name
                 unit = channel.properties.get("unit_string") or None
-                raw.columns.append(Column(name, unit, values.astype(float), _waveform_axis(channel, len(values))))
+                raw.columns.append(RawColumn(name, unit, values.astype(float), _waveform_axis(channel, len(values))))
     _check_segments(data, raw.notes)
     raw.table = all(column.axis is None for column in raw.columns)
     if not raw.columns:
@@ -102,8 +102,8 @@ def _heard(name: str, notes: list[str]) -> Iterator[None]:
             logger.handlers, logger.propagate = handlers, propagate
 
 
-def _waveform_axis(channel: Any, count: int) -> Column | None:
+def _waveform_axis(channel: Any, count: int) -> RawColumn | None:
     step = channel.properties.get("wf_increment")
     if not step:
         return None
-    return Column("time", "s", float(channel.properties.get("wf_start_offset", 0.0)) + float(step) * np.arange(count))
+    return RawColumn("time", "s", float(channel.properties.get("wf_start_offset", 0.0)) + float(step) * np.arange(count))

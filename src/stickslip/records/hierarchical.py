@@ -13,7 +13,7 @@ from stickslip.basics.errors import InputError
 from stickslip.basics.unpacking import Allowance
 from stickslip.records.extras import damage_reported
 from stickslip.records.matlab_files import vectors
-from stickslip.records.raw import Column, Raw
+from stickslip.records.raw import Raw, RawColumn
 
 _DEEPEST = 8  # groups within groups
 
@@ -128,7 +128,7 @@ def parse_netcdf3(data: bytes, allowance: Allowance) -> Raw:
                 values = np.where(values == getattr(variable, mark, np.nan), np.nan, values)
             values = values * float(getattr(variable, "scale_factor", 1.0)) + float(getattr(variable, "add_offset", 0.0))
             if values.ndim == 1 and values.size > 1:
-                raw.columns.append(Column(name, None if unit is None else str(_plain(unit)), values))
+                raw.columns.append(RawColumn(name, None if unit is None else str(_plain(unit)), values))
             elif values.size == 1:
                 raw.info[name] = values.item()
     if not raw.columns:

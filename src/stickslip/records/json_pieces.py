@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import Any
 
 from stickslip.records.rows_of_values import ByName, Numbers, Rows, labels_a_row
-from stickslip.records.text_lines import Lines, check_columns
+from stickslip.records.text_lines import TextLines, check_columns
 
 _TOGETHER, _PIECE = 4096, 1 << 17  # lines of JSON, and characters of a table, that are objects at once
 _DEEPEST = 8  # objects within one another in which tables are looked for
@@ -36,7 +36,7 @@ def in_pieces(text: str) -> Any:
     return value
 
 
-def of_lines(lines: Lines) -> ByName | None:
+def of_lines(lines: TextLines) -> ByName | None:
     """The columns of a text with an object on each line; what a row does not have is missing. None for a text of one line."""
     rows = Rows()
     for begin in range(0, len(lines), _TOGETHER):

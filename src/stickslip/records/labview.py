@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.records.raw import Column, Raw
+from stickslip.records.raw import Raw, RawColumn
 
 
 def with_its_header(raw: Raw) -> None:
@@ -47,4 +47,4 @@ def _counted(header: dict[str, list[str]], k: int, count: int, time: bool) -> An
         begin, step = (float(_entry(header, name, k).replace(",", ".")) for name in ("X0", "Delta_X"))
     except ValueError:
         return None
-    return Column("time" if time else "X_Value", "s" if time else None, begin + step * np.arange(count))
+    return RawColumn("time" if time else "X_Value", "s" if time else None, begin + step * np.arange(count))

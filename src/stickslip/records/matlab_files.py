@@ -11,7 +11,7 @@ import numpy as np
 from stickslip.basics.errors import InputError
 from stickslip.basics.unpacking import Allowance
 from stickslip.records.extras import damage_reported
-from stickslip.records.raw import Column, Raw
+from stickslip.records.raw import Raw, RawColumn
 
 
 def parse(data: bytes, allowance: Allowance) -> Raw:
@@ -60,9 +60,9 @@ def vectors(variables: dict[str, Any], units: dict[str, str], raw: Raw, prefix: 
             raw.info[full] = array.ravel()[0].item()
         elif array.ndim == 2 and min(array.shape) > 1:
             rows = array if array.shape[0] >= array.shape[1] else array.T
-            raw.columns += [Column(f"{full} {i + 1}", units.get(full), _numbers(rows[:, i])) for i in range(rows.shape[1])]
+            raw.columns += [RawColumn(f"{full} {i + 1}", units.get(full), _numbers(rows[:, i])) for i in range(rows.shape[1])]
         elif array.size and max(array.shape) == array.size:
-            raw.columns.append(Column(full, units.get(full), _numbers(array.ravel())))
+            raw.columns.append(RawColumn(full, units.get(full), _numbers(array.ravel())))
         elif array.size:
             raw.notes.append(f"{full} is left out: an array of shape {array.shape} is not a time history")
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Line:
+class ChannelSummary:
     """One channel in numbers, in the channel's own unit."""
 
     name: str
@@ -41,7 +41,7 @@ class Overview:
 
     Parameters
     ----------
-    lines : tuple of Line
+    lines : tuple of ChannelSummary
         One for each channel.
     frequency, frequency_error : float or None
         Drive frequency and its standard error [Hz]; None where none could be found.
@@ -52,7 +52,7 @@ class Overview:
         Why there is no drive frequency, where the record was searched for one.
     """
 
-    lines: tuple[Line, ...]
+    lines: tuple[ChannelSummary, ...]
     frequency: float | None
     frequency_error: float | None
     notes: tuple[str, ...]
@@ -93,14 +93,14 @@ def overview(rec: Record) -> Overview:
     return Overview(lines, value, error, rec.notes, str(rec.source.get("format", "")), rec.synthetic, why)
 
 
-def _line(c: Any) -> Line:
+def _line(c: Any) -> ChannelSummary:
     values = abs(c.values) if np.iscomplexobj(c.values) else c.values
     good = values[np.isfinite(values)]
     least, largest = (float(good.min()), float(good.max())) if len(good) else (float("nan"),) * 2
     span = float(np.nanmax(c.t) - np.nanmin(c.t)) if len(c.t) and np.isfinite(c.t).any() else 0.0
     unit = unit_named(c.axis_unit)
     missing = len(values) - len(good)
-    return Line(
+    return ChannelSummary(
         c.name, c.unit, c.role, len(c), float(c.rate), c.rate_unit, span * (unit.factor if unit else 1.0), len(c.gaps), missing,
         least, largest, noise(values) if c.over_time else float("nan"), clipped(values),
     )  # fmt: skip

@@ -7,7 +7,7 @@ from typing import Any
 
 
 @dataclass(frozen=True, eq=False)
-class Column:
+class RawColumn:
     """One column of numbers of a file.
 
     Parameters
@@ -16,7 +16,7 @@ class Column:
         "" if the file has none.
     unit : str or None
     values : array (n,)
-    axis : Column, optional
+    axis : RawColumn, optional
         What the values stand over, where the file says so.
     role : str, optional
         Where the file says so; "" where it says that there is none.
@@ -25,7 +25,7 @@ class Column:
     name: str
     unit: str | None
     values: Any
-    axis: Column | None = None
+    axis: RawColumn | None = None
     role: str | None = None
 
 
@@ -34,7 +34,7 @@ class Raw:
     """The columns of a file, what else it says, and what there is to remark."""
 
     format: str
-    columns: list[Column] = field(default_factory=list)
+    columns: list[RawColumn] = field(default_factory=list)
     info: dict[str, Any] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     table: bool = False  # columns of one table share an axis, which is one of them

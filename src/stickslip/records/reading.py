@@ -20,7 +20,7 @@ from stickslip.records.apart import read_apart
 from stickslip.records.axes import by_own_times, counted, table_axes
 from stickslip.records.channel import MEASURED, ROLES, Channel
 from stickslip.records.formats import format_of
-from stickslip.records.raw import Column, Raw
+from stickslip.records.raw import Raw, RawColumn
 from stickslip.records.record import Record
 from stickslip.records.roles import OURS, remark_range, remarks, roles_of
 from stickslip.records.saving import SYNTHETIC, roles_in
@@ -173,7 +173,7 @@ def _rename(raw: Raw, columns: Sequence[str] | None, problems: Problems) -> None
             f'columns names {len(columns)} columns; the file has {len(raw.columns)}; name every one, such as columns=["t [ms]", ...]'
         )
         return
-    raw.columns = [Column(*unit_of_heading(text), c.values, c.axis) for text, c in zip(columns, raw.columns, strict=True)]
+    raw.columns = [RawColumn(*unit_of_heading(text), c.values, c.axis) for text, c in zip(columns, raw.columns, strict=True)]
 
 
 def _give_units(raw: Raw, units: dict[str, str], problems: Problems) -> None:
@@ -192,9 +192,9 @@ def _give_units(raw: Raw, units: dict[str, str], problems: Problems) -> None:
                 f"{c.name}: the unit {c.unit!r} of the file, of {old}, is replaced by {units[c.name]!r}, of {new}, as was typed"
             )
 
-    def with_unit(c: Column) -> Column:
+    def with_unit(c: RawColumn) -> RawColumn:
         axis = None if c.axis is None else with_unit(c.axis)
-        return Column(c.name, units.get(c.name, c.unit), c.values, axis, c.role)
+        return RawColumn(c.name, units.get(c.name, c.unit), c.values, axis, c.role)
 
     raw.columns = [with_unit(c) for c in raw.columns]
 

@@ -68,11 +68,11 @@ class Record:
     def of(cls, t: Numbers, columns: Mapping[str, Numbers], roles: dict[str, str] | None = None, synthetic: bool = False) -> Record:
         """A record from arrays: times [s], and columns named with their units, such as ``{"v [m/s]": v}``."""
         from stickslip.basics.units import unit_of_heading
-        from stickslip.records.raw import Column
+        from stickslip.records.raw import RawColumn
         from stickslip.records.roles import roles_of
 
         channels = {}
-        named = roles_of([Column(*unit_of_heading(text), np.asarray(values)) for text, values in columns.items()], roles or {})
+        named = roles_of([RawColumn(*unit_of_heading(text), np.asarray(values)) for text, values in columns.items()], roles or {})
         for text, values in columns.items():
             name, unit = unit_of_heading(text)
             if name in channels:

@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.basics.units import quantity_of, unit_named
 from stickslip.records.channel import MEASURED, Channel
 from stickslip.records.overview import clipped, dead_zone, runs_of
-from stickslip.records.raw import Column
+from stickslip.records.raw import RawColumn
 
 _LARGEST, _LEAST = 1e18, 1e-100  # sizes beyond which a number is not a measurement
 _TOGETHER = 1 << 16  # values that are judged at once, which takes little memory
@@ -32,7 +32,7 @@ _BY_UNIT = {name: name for name in ("velocity", "position", "force", "accelerati
 OURS = {"x": "position", "v": "velocity", "acceleration": "acceleration", "xi": None, "xi_rate": "drive", "friction_force": "force"}
 
 
-def roles_of(columns: list[Column], typed: dict[str, str]) -> dict[str, str | None]:
+def roles_of(columns: list[RawColumn], typed: dict[str, str]) -> dict[str, str | None]:
     """Roles of channels: as typed, else as the file says, else as name and unit determine without doubt.
 
     A name says more than a unit, and what is typed most.
@@ -46,7 +46,7 @@ def roles_of(columns: list[Column], typed: dict[str, str]) -> dict[str, str | No
     return {name: None if role in given.values() else role for name, role in roles.items()} | given
 
 
-def _role_and_why(c: Column) -> tuple[str | None, bool]:
+def _role_and_why(c: RawColumn) -> tuple[str | None, bool]:
     """The role of a channel, and whether its name (or the file) determines it."""
     if c.role is not None:
         return c.role or None, True

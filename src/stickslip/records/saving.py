@@ -72,10 +72,10 @@ def save(rec: Record, path: str | Path) -> Path:
 
 def _role_lines(channels: list[Any]) -> list[str]:
     """Lines that tell every role, if reading names and units would not find all of them again; without commas, which part columns."""
-    from stickslip.records.raw import Column
+    from stickslip.records.raw import RawColumn
     from stickslip.records.roles import roles_of
 
-    if roles_of([Column(c.name, c.unit, c.values) for c in channels], {}) == {c.name: c.role for c in channels}:
+    if roles_of([RawColumn(c.name, c.unit, c.values) for c in channels], {}) == {c.name: c.role for c in channels}:
         return []
     names = [json.dumps(c.name).replace(",", "\\u002c") for c in channels]
     return [f"{_ROLE}{name} is {c.role or 'not told'}\n" for name, c in zip(names, channels, strict=True)]

@@ -13,7 +13,7 @@ from stickslip.basics.errors import InputError
 from stickslip.basics.units import unit_of_heading
 from stickslip.basics.unpacking import Allowance
 from stickslip.records.extras import damage_reported, library
-from stickslip.records.raw import Column, Raw
+from stickslip.records.raw import Raw, RawColumn
 from stickslip.records.tables_of_values import is_plain_number, number_in
 
 #: Bytes in memory for a byte of XML and for a cell, and most rows, which are Excel's.
@@ -56,7 +56,7 @@ def _rows(sheet: Any, allowance: Allowance) -> list[_Row]:
     return rows
 
 
-def _table(rows: list[_Row], notes: list[str], allowance: Allowance) -> list[Column]:
+def _table(rows: list[_Row], notes: list[str], allowance: Allowance) -> list[RawColumn]:
     """The columns of a sheet whose cells are numbers, text or None."""
     width = max((len(row) for row in rows), default=0)
     allowance.take(_PER_CELL * width * len(rows), "its first sheet")
@@ -74,7 +74,7 @@ def _table(rows: list[_Row], notes: list[str], allowance: Allowance) -> list[Col
     if strange:
         notes.append(f"{strange} cells of the sheet are text where numbers are expected and became NaN")
     kept = [i for i in range(width) if not np.isnan(values[:, i]).all()]
-    return [Column(*(unit_of_heading(heads[i]) if heads else ("", None)), values[:, i]) for i in kept]
+    return [RawColumn(*(unit_of_heading(heads[i]) if heads else ("", None)), values[:, i]) for i in kept]
 
 
 def _cell(cell: Any) -> float:

@@ -14,7 +14,7 @@ import numpy as np
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.records.stamps import DAY, SECOND, date_cell, date_groups, day_number, time_of, timestamp_in
-from stickslip.records.text_lines import MOST_PREAMBLE, Lines
+from stickslip.records.text_lines import MOST_PREAMBLE, TextLines
 
 _LINES = 2000  # of which one must have a timestamp
 _TOGETHER, _LETTERS = 8192, 1 << 20  # lines, and their characters, that are read at once
@@ -27,7 +27,7 @@ class Stamped:
 
     Parameters
     ----------
-    lines : Lines
+    lines : TextLines
     before : str
         What stands before the first of these numbers in its line.
     dated : bool
@@ -36,13 +36,13 @@ class Stamped:
         The first timestamp, as it was written.
     """
 
-    lines: Lines
+    lines: TextLines
     before: str
     dated: bool
     begin: str
 
 
-def stamped(lines: Lines, words: bool = False) -> Stamped | None:
+def stamped(lines: TextLines, words: bool = False) -> Stamped | None:
     """The same lines with whole nanoseconds for timestamps; None where the text has none beside its numbers, or `words`."""
     for comma in (True, False):  # a comma before the fraction of a second is one where commas part no columns
         begin = next(
@@ -57,7 +57,7 @@ def stamped(lines: Lines, words: bool = False) -> Stamped | None:
     return None
 
 
-def _replaced(lines: Lines, begin: int, comma: bool, words: bool) -> Stamped:
+def _replaced(lines: TextLines, begin: int, comma: bool, words: bool) -> Stamped:
     first = timestamp_in(lines[begin], comma, words)
     assert first is not None
     day_first = bool(first["a"]) and _order_of_days(lines.from_line(begin))
@@ -137,7 +137,7 @@ class _Reader:
         self._comma, self._words, self._day_first = comma, words, day_first
         self._forms: list[_Form] = []
 
-    def times_of(self, lines: Lines) -> _Times:
+    def times_of(self, lines: TextLines) -> _Times:
         """The times of some lines."""
         count, some = len(lines), _Letters(lines, self._words)
         times = _Times(np.zeros(count, bool), np.zeros(count, bool), np.zeros(count, np.int64), np.zeros(count, np.int64), [])
@@ -169,7 +169,7 @@ _STRANGE[[*b'0123456789 \t.,;+-eE"|naNA/']] = False
 class _Letters:
     """The letters of some lines, where each line begins and ends, and how many letters before each are strange in a row of numbers."""
 
-    def __init__(self, lines: Lines, words: bool):
+    def __init__(self, lines: TextLines, words: bool):
         self.letters = np.frombuffer(lines.data + b"\n\n", np.uint8)
         self.starts, self.ends = lines.starts[:-1], lines.starts[1:] - 1
         self._strange = None if words else np.concatenate([[0], np.cumsum(_STRANGE[self.letters], dtype=np.int32)])
@@ -245,7 +245,7 @@ class _Form:
 _STROKES = re.compile(rb"(?<![\d/])(\d\d?)/(\d\d?)/\d{4}(?!\d)")
 
 
-def _order_of_days(lines: Lines) -> bool:
+def _order_of_days(lines: TextLines) -> bool:
     """Whether 03/04/2026 is the third of April; an error where days go on and nothing tells."""
     pairs = {(int(match[1]), int(match[2])) for match in {m[0]: m for m in _STROKES.finditer(lines.data)}.values()}
     first, second = any(a > 12 for a, _ in pairs), any(b > 12 for _, b in pairs)

@@ -14,10 +14,10 @@ from stickslip.basics.errors import InputError
 from stickslip.basics.units import unit_of_heading
 from stickslip.basics.unpacking import Allowance
 from stickslip.records.json_pieces import in_pieces, of_lines
-from stickslip.records.raw import Column, Raw
+from stickslip.records.raw import Raw, RawColumn
 from stickslip.records.rows_of_values import FORMS, ByName, array_of, by_column, labels_a_row, numbered, of_other_length, rows_of
 from stickslip.records.stamps import STAMP_UNIT, nanoseconds
-from stickslip.records.text_lines import Lines, check_columns
+from stickslip.records.text_lines import TextLines, check_columns
 
 
 # ---- JSON ----
@@ -86,7 +86,7 @@ def _loaded(text: str) -> Any:
         raise
     except ValueError as error:
         try:
-            return of_lines(Lines.of_text(text)) or _broken(error)
+            return of_lines(TextLines.of_text(text)) or _broken(error)
         except (ValueError, RecursionError):
             return _broken(error)
 
@@ -151,23 +151,23 @@ def _plain(value: Any) -> list[Any]:
     return list(value.values()) if isinstance(value, dict) else value
 
 
-def _column(name: str, unit: str | None, values: list[Any], notes: list[str]) -> Column:
+def _column(name: str, unit: str | None, values: list[Any], notes: list[str]) -> RawColumn:
     """Numbers, or timestamps as seconds since the first; what is neither is NaN, and said."""
     if (numbers := array_of(values)) is not None:
-        return Column(name, unit, numbers)
+        return RawColumn(name, unit, numbers)
     texts = {x for x in values if isinstance(x, str)}
     known = {x: nanoseconds(x) for x in texts if ":" in x}
     stamps = [known.get(x) if isinstance(x, str) else None for x in values] if known else [None] * len(values)
     if values and sum(stamp is not None for stamp in stamps) > 0.5 * len(values):
         first = next(s for s in stamps if s is not None)
         notes.append(f"times are counted from the first timestamp, {next(x for x, s in zip(values, stamps, strict=True) if s is not None)}")
-        return Column(name, "s", np.array([np.nan if s is None else (s - first) * STAMP_UNIT for s in stamps]))
+        return RawColumn(name, "s", np.array([np.nan if s is None else (s - first) * STAMP_UNIT for s in stamps]))
     known_numbers = {x: number_in(x) for x in texts}
     read = [known_numbers[x] if isinstance(x, str) else number_in(x) for x in values]
     strange = sum(x is None and value is not None for x, value in zip(read, values, strict=True))
     if strange:
         notes.append(f"{name}: {strange} values are not numbers and became NaN")
-    return Column(name, unit, np.array([np.nan if x is None else x for x in read], float))
+    return RawColumn(name, unit, np.array([np.nan if x is None else x for x in read], float))
 
 
 def number_in(value: Any) -> float | None:
@@ -209,13 +209,13 @@ def _says_times(index: Any) -> bool:
     return np.asarray(index).dtype.kind in "mM" or (index.name is not None and np.asarray(index).dtype.kind in "iuf")
 
 
-def _of_series(name: str, unit: str | None, values: Array, notes: list[str]) -> Column:
+def _of_series(name: str, unit: str | None, values: Array, notes: list[str]) -> RawColumn:
     if values.dtype.kind == "M":
         notes.append(f"times are counted from the first timestamp, {values[0]}")
         values = values - values[0]
     if values.dtype.kind == "m":
         whole = values.astype("timedelta64[ns]")
-        return Column(name, "s", np.where(np.isnat(whole), np.nan, whole.astype(np.int64) * STAMP_UNIT))
+        return RawColumn(name, "s", np.where(np.isnat(whole), np.nan, whole.astype(np.int64) * STAMP_UNIT))
     if values.dtype.kind in "iuf":
-        return Column(name, unit, values.astype(float))
+        return RawColumn(name, unit, values.astype(float))
     return _column(name, unit, [x.item() if hasattr(x, "item") else x for x in values.tolist()], notes)

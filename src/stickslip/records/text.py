@@ -17,13 +17,13 @@ from stickslip.records.columns_of_words import LeftOut, without_words
 from stickslip.records.dialects import MISSING, MOST_BAD, Dialect, heading_cells, sniffed
 from stickslip.records.formats import formats_in_words
 from stickslip.records.labview import with_its_header
-from stickslip.records.raw import Column, Raw, unmarked
+from stickslip.records.raw import Raw, RawColumn, unmarked
 from stickslip.records.stamped_lines import Stamped, stamped
 from stickslip.records.stamps import STAMP_UNIT
 from stickslip.records.tables_of_values import parse_json
-from stickslip.records.text_lines import MOST_NUMBER, Lines
+from stickslip.records.text_lines import MOST_NUMBER, TextLines
 
-Table = tuple[Lines, Stamped | None, Dialect, int]
+Table = tuple[TextLines, Stamped | None, Dialect, int]
 _PREAMBLE = 20_000  # characters before the table that are kept
 
 
@@ -58,7 +58,7 @@ def parse(data: bytes, separator: str | None = None, decimal: str | None = None)
     if is_json(text):
         return parse_json(text, Allowance("read", len(data)))
     raw, ended = Raw("text", table=True), text.endswith(("\n", "\r")) or not text.strip()
-    lines = Lines.of_text(text)  # they end at line breaks, and at no control character that damage may bring
+    lines = TextLines.of_text(text)  # they end at line breaks, and at no control character that damage may bring
     del text
     lines.check()
     _check_quotes(lines)
@@ -69,7 +69,7 @@ def parse(data: bytes, separator: str | None = None, decimal: str | None = None)
     raw.info["dialect"] = dialect.words
     if not ended:
         raw.notes.append("the last line does not end with a line break: if the file was cut short, its last number is cut too")
-    raw.columns = [Column(*(names[i] if names else ("", None)), values[:, i]) for i in range(dialect.width)]
+    raw.columns = [RawColumn(*(names[i] if names else ("", None)), values[:, i]) for i in range(dialect.width)]
     if times is not None:
         at = len(dialect.all_cells(f"{times.before}0")) - 1
         _in_seconds(raw, times, at - sum(k < at for k in dialect.left_out))
@@ -77,7 +77,7 @@ def parse(data: bytes, separator: str | None = None, decimal: str | None = None)
     return raw
 
 
-def _table(lines: Lines, separator: str | None, decimal: str | None, notes: list[str]) -> Table:
+def _table(lines: TextLines, separator: str | None, decimal: str | None, notes: list[str]) -> Table:
     """The lines, timestamps as numbers, with their dialect and the first row of numbers; columns of words only if they can be read."""
     try:
         return _numbered(lines, separator, decimal, notes, None)
@@ -89,7 +89,7 @@ def _table(lines: Lines, separator: str | None, decimal: str | None, notes: list
         return _numbered(lines, left.separator, decimal, notes, left)
 
 
-def _numbered(lines: Lines, separator: str | None, decimal: str | None, notes: list[str], left: LeftOut | None) -> Table:
+def _numbered(lines: TextLines, separator: str | None, decimal: str | None, notes: list[str], left: LeftOut | None) -> Table:
     times = stamped(lines, words=left is not None)
     lines = lines if times is None else times.lines
     more = () if left is None else (left.columns, left.whole)
@@ -101,7 +101,7 @@ def _in_seconds(raw: Raw, times: Stamped, at: int) -> None:
     if at >= len(raw.columns):
         return
     old = raw.columns[at]
-    raw.columns[at] = Column(old.name or "time", "s", old.values * STAMP_UNIT)
+    raw.columns[at] = RawColumn(old.name or "time", "s", old.values * STAMP_UNIT)
     if times.dated:
         del raw.columns[at - 1]
     raw.notes.append(f"times are counted from the first timestamp, {times.begin}")
@@ -119,7 +119,7 @@ def is_json(text: str) -> bool:
 _OPEN = re.compile(r'(?:^|[,;\t])[ ]*"[^"]*$')
 
 
-def _check_quotes(lines: Lines) -> None:
+def _check_quotes(lines: TextLines) -> None:
     """Raise an `InputError` where lines open quotes that they do not close; a damaged line or a heading may."""
     sample = lines.sample(0, 400)
     opened = [line for line in sample if line.count('"') % 2 and _OPEN.search(line)]
@@ -166,7 +166,7 @@ _EXPONENTS = re.compile(rb"(?<=[\d.])d(?=[+-]?\d)")
 _TOGETHER = 16384  # lines that are read at once
 
 
-def _values(lines: Lines, dialect: Dialect, notes: list[str]) -> Any:
+def _values(lines: TextLines, dialect: Dialect, notes: list[str]) -> Any:
     """All rows: short and long ones are left out, cells that are not numbers become NaN, and both are noted."""
     most = min(len(lines), lines.size // max(dialect.width - 1, 1) + 1)  # rows: each has a separator between two cells
     values, filled = np.empty((most, dialect.width)), 0

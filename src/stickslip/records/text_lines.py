@@ -18,7 +18,7 @@ _SHORT = 4  # characters: where lines are shorter on average, blank ones are lef
 _TOGETHER = 4096  # lines that are decoded at once
 
 
-class Lines(Sequence[str]):
+class TextLines(Sequence[str]):
     r"""The lines of a text.
 
     Parameters
@@ -49,7 +49,7 @@ class Lines(Sequence[str]):
         self._starts = starts
 
     @classmethod
-    def of_text(cls, text: str) -> Lines:
+    def of_text(cls, text: str) -> TextLines:
         """The lines of a text, whose ends may be those of any system; of one of mostly blank lines those that are not."""
         if "\r" in text:
             text = text.replace("\r\n", "\n").replace("\r", "\n")
@@ -63,9 +63,9 @@ class Lines(Sequence[str]):
         """Which line of the file a line is, counted from 1."""
         return 1 + (self._numbers + index if isinstance(self._numbers, int) else int(self._numbers[index]))
 
-    def replaced(self, data: bytes) -> Lines:
+    def replaced(self, data: bytes) -> TextLines:
         """As many other lines, which have the numbers of these."""
-        return Lines(data, numbers=self._numbers)
+        return TextLines(data, numbers=self._numbers)
 
     @property
     def data(self) -> bytes:
@@ -103,14 +103,14 @@ class Lines(Sequence[str]):
             last = min(first + _TOGETHER, len(self))
             yield from self._data[self._starts[first] : self._starts[last] - 1].decode("utf-8", "surrogatepass").split("\n")
 
-    def from_line(self, first: int) -> Lines:
+    def from_line(self, first: int) -> TextLines:
         """The lines from one on."""
         return self.part(first, len(self))
 
-    def part(self, first: int, last: int) -> Lines:
+    def part(self, first: int, last: int) -> TextLines:
         """Some of the lines."""
         numbers = self._numbers + first if isinstance(self._numbers, int) else self._numbers[first:last]
-        return Lines(self._data, self._starts[first : last + 1], numbers)
+        return TextLines(self._data, self._starts[first : last + 1], numbers)
 
     def check(self) -> None:
         """Raise an `InputError` for a line that no table has."""

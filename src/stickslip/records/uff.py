@@ -12,7 +12,7 @@ import numpy as np
 
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
-from stickslip.records.raw import Column, Raw, unmarked
+from stickslip.records.raw import Raw, RawColumn, unmarked
 from stickslip.records.text_lines import MOST_NUMBER, check_columns
 
 _DELIMITER = re.compile(rb"^ {4}-1[ \t]*\r?$", re.M)
@@ -249,11 +249,11 @@ def _pairs(block: bytes, head: _Head, order: str) -> Any:
     return np.column_stack([pairs["x"].astype(float), pairs["y"].astype(float)]).ravel()
 
 
-def _column(head: _Head, numbers: Any, number: int, notes: list[str]) -> Column:
+def _column(head: _Head, numbers: Any, number: int, notes: list[str]) -> RawColumn:
     width = head.parts + (0 if head.even else 1)
     rows = numbers[: len(numbers) // width * width].reshape(-1, width)
     values = rows[:, -1] if head.parts == 1 else rows[:, -2] + 1j * rows[:, -1]
     x = head.first + head.step * np.arange(len(rows)) if head.even else rows[:, 0]
     if head.even and not head.step > 0 and len(rows) > 1:
         notes.append(f"function {number} has abscissa step {head.step:g}; allowed is a positive step")
-    return Column(head.name, head.ordinate[1], values, Column(head.axis[0], head.axis[1], x))
+    return RawColumn(head.name, head.ordinate[1], values, RawColumn(head.axis[0], head.axis[1], x))
