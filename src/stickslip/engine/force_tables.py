@@ -21,7 +21,7 @@ _LINEAR = ("variable", "case", "constant", "add", "subtract")
 
 
 @dataclass(frozen=True)
-class Force:
+class ForceForm:
     """A force without its numbers, as an expression of variables and of the numbers c0, c1, … of a row."""
 
     key: tuple[Any, ...]  # equal for forces that differ in numbers alone
@@ -40,7 +40,7 @@ class Force:
         return all(node.op in _LINEAR or (node.op == "multiply" and min(a.level for a in node.args) < STATE) for node in _nodes(self.root))
 
 
-def traced(inputs: tuple[str, ...], force: Callable[..., Any], side: float = 0.0) -> Force:
+def traced(inputs: tuple[str, ...], force: Callable[..., Any], side: float = 0.0) -> ForceForm:
     """A force as a function of variables; with a side the sign of the first one is known.
 
     Raises
@@ -67,7 +67,7 @@ def traced(inputs: tuple[str, ...], force: Callable[..., Any], side: float = 0.0
     return _stripped(root, inputs)
 
 
-def _stripped(root: Sym, inputs: tuple[str, ...]) -> Force:
+def _stripped(root: Sym, inputs: tuple[str, ...]) -> ForceForm:
     """A traced force with a number of its own in each place where one stands."""
     graph = Graph()
     graph.begins_anew = False
@@ -98,7 +98,7 @@ def _stripped(root: Sym, inputs: tuple[str, ...]) -> Force:
     if root.op == "constant":
         made[root.number] = graph.case("c0")
         numbers, key = [root.value], [inputs, "constant"]
-    return Force((*key, places.get(root.number, -1)), made[root.number], variables, tuple(numbers))
+    return ForceForm((*key, places.get(root.number, -1)), made[root.number], variables, tuple(numbers))
 
 
 def _nodes(root: Sym) -> list[Sym]:
@@ -130,10 +130,10 @@ class Tables:
 
     name: str
     inputs: tuple[str, ...]
-    forces: list[Force] = field(default_factory=list)
+    forces: list[ForceForm] = field(default_factory=list)
     _known: dict[tuple[Any, ...], int] = field(default_factory=dict)
 
-    def kind(self, force: Force) -> int:
+    def kind(self, force: ForceForm) -> int:
         """The number of a force's text."""
         if force.key not in self._known:
             self._known[force.key] = len(self.forces)
@@ -163,17 +163,17 @@ class Tables:
         parts.append(function(f"{self.name}_series", "kind, m, NUM, at, W", [*series, "return"], "void(int64, int64, f1, int64, f1)"))
         return "\n".join(parts)
 
-    def _bind(self, force: Force) -> dict[str, str]:
+    def _bind(self, force: ForceForm) -> dict[str, str]:
         return {f"c{i}": f"NUM[at + {i}]" for i in range(len(force.numbers))}
 
-    def _value(self, k: int, force: Force) -> str:
+    def _value(self, k: int, force: ForceForm) -> str:
         w = _ValueWriter()
         value = w.value(force.root, self._bind(force) | {name: name for name in self.inputs})
         kinds = ", ".join(["float64"] * len(self.inputs))
         takes = f"NUM, at, {', '.join(self.inputs)}"
         return function(f"{self.name}_value_{k}", takes, [*w.lines, f"return 1.0 * {value}"], f"float64(f1, int64, {kinds})")
 
-    def _series(self, k: int, force: Force, orders: int) -> str:
+    def _series(self, k: int, force: ForceForm, orders: int) -> str:
         nodes, count = _nodes(force.root), len(self.inputs)
         row = {node.number: (count + 1 + i) * orders for i, node in enumerate(nodes)}
         row |= {node.number: self.inputs.index(node.name) * orders for node in nodes if node.op == "variable"}

@@ -87,17 +87,17 @@ class Formula:
     def __ss_power__(self, exponent: Numeric) -> Formula:
         return abs(self) ** exponent
 
-    def __gt__(self, other: Numeric) -> Condition:
-        return Condition(self.expression > expression_of(other))
+    def __gt__(self, other: Numeric) -> SymbolicCondition:
+        return SymbolicCondition(self.expression > expression_of(other))
 
-    def __ge__(self, other: Numeric) -> Condition:
-        return Condition(self.expression >= expression_of(other))
+    def __ge__(self, other: Numeric) -> SymbolicCondition:
+        return SymbolicCondition(self.expression >= expression_of(other))
 
-    def __lt__(self, other: Numeric) -> Condition:
-        return Condition(self.expression < expression_of(other))
+    def __lt__(self, other: Numeric) -> SymbolicCondition:
+        return SymbolicCondition(self.expression < expression_of(other))
 
-    def __le__(self, other: Numeric) -> Condition:
-        return Condition(self.expression <= expression_of(other))
+    def __le__(self, other: Numeric) -> SymbolicCondition:
+        return SymbolicCondition(self.expression <= expression_of(other))
 
     def __ss_sqrt__(self) -> Formula:
         return Formula(sympy.sqrt(self.expression))
@@ -122,7 +122,7 @@ for _name in FUNCTIONS:
         setattr(Formula, f"__ss_{_name}__", _hook(_name))
 
 
-class Condition:
+class SymbolicCondition:
     """A condition of SymPy; one that the signs of letters decide is decided."""
 
     def __init__(self, condition: Any):
@@ -139,14 +139,14 @@ class Condition:
         rest = other.args if isinstance(other, sympy.Piecewise) else ((other, True),)
         return Formula(sympy.Piecewise((one, self.condition), *rest, evaluate=False))
 
-    def __and__(self, other: Condition) -> Condition:
-        return Condition(self.condition & other.condition)
+    def __and__(self, other: SymbolicCondition) -> SymbolicCondition:
+        return SymbolicCondition(self.condition & other.condition)
 
-    def __or__(self, other: Condition) -> Condition:
-        return Condition(self.condition | other.condition)
+    def __or__(self, other: SymbolicCondition) -> SymbolicCondition:
+        return SymbolicCondition(self.condition | other.condition)
 
-    def __invert__(self) -> Condition:
-        return Condition(~self.condition)
+    def __invert__(self) -> SymbolicCondition:
+        return SymbolicCondition(~self.condition)
 
     def __bool__(self) -> bool:
         if self.condition in (True, False):

@@ -12,7 +12,7 @@ import numpy as np
 from stickslip.basics.contracts import Array
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.engine import cache
-from stickslip.engine.force_tables import Force, Tables, traced
+from stickslip.engine.force_tables import ForceForm, Tables, traced
 from stickslip.engine.kernel_text import header, kernel_text, written
 from stickslip.engine.symbols import TraceError
 
@@ -81,7 +81,7 @@ def row_of(mechanics: Any) -> Row:
     known: dict[tuple[Any, ...], tuple[int, int]] = {}
     kept: list[Any] = []  # alive as long as their identities are keys
 
-    def placed(table: Tables, owner: Any, key: tuple[Any, ...], force: Callable[[], Force]) -> tuple[int, int]:
+    def placed(table: Tables, owner: Any, key: tuple[Any, ...], force: Callable[[], ForceForm]) -> tuple[int, int]:
         """Text and row of numbers of a force; parts that are one object share theirs."""
         key = (table.name, id(owner), *key)
         if key not in known:
@@ -130,7 +130,7 @@ def row_of(mechanics: Any) -> Row:
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Outcome:
+class RowOutcome:
     """What became of a row."""
 
     status: int  # 1: it came to its end; 0: it was stopped
@@ -142,7 +142,7 @@ class Outcome:
     rejected: int
 
 
-def run(row: Row, x: Array, v: Array, end: float, speed: float, most: int, go_on: Callable[[float], bool]) -> Outcome:
+def run(row: Row, x: Array, v: Array, end: float, speed: float, most: int, go_on: Callable[[float], bool]) -> RowOutcome:
     """Run a row from positions and velocities at t = 0 to an end.
 
     Parameters
@@ -184,7 +184,7 @@ def run(row: Row, x: Array, v: Array, end: float, speed: float, most: int, go_on
         kept += len(pieces[-1])
         if kept > most and running:
             numbers[0], running = 2, False
-    return Outcome(
+    return RowOutcome(
         int(numbers[0]),
         float(job[0]),
         first,

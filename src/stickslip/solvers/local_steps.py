@@ -72,7 +72,7 @@ def run(todo: Request) -> Trajectory | Summary:
     return trajectory(todo, "exact", pieces, counts)
 
 
-def _solved(todo: Request, model: Model, case: int) -> tuple[local_events.Outcome, LocalPieces]:
+def _solved(todo: Request, model: Model, case: int) -> tuple[local_events.RowOutcome, LocalPieces]:
     """One case: what became of it, and its dense output; `SolveError` if it stopped early."""
     mechanics: Any = machine_of(model).mechanics
     span, bodies = float(todo.span[case]), len(mechanics.bodies)
@@ -96,7 +96,7 @@ def _solved(todo: Request, model: Model, case: int) -> tuple[local_events.Outcom
     return outcome, pieces
 
 
-def _message(todo: Request, outcome: local_events.Outcome, mechanics: Any, pieces: LocalPieces) -> str:
+def _message(todo: Request, outcome: local_events.RowOutcome, mechanics: Any, pieces: LocalPieces) -> str:
     """Where and why a run stopped early."""
     recent = outcome.events[-200:, 1].astype(int)
     body = int(np.bincount(recent).argmax()) if len(recent) else 0
@@ -105,7 +105,7 @@ def _message(todo: Request, outcome: local_events.Outcome, mechanics: Any, piece
     return stopped.stopping_message(outcome.status, where, state, stopped.remedy(outcome.status, todo.rtol, False))
 
 
-def _pieces(outcome: local_events.Outcome, mechanics: Any, end: float) -> LocalPieces:
+def _pieces(outcome: local_events.RowOutcome, mechanics: Any, end: float) -> LocalPieces:
     """The dense output."""
     bodies, of = len(mechanics.bodies), [mechanics.bodies.index(c.body) for c in mechanics.joints.values()]
     counts = sum((np.bincount(part[:, 0].astype(np.int64), minlength=bodies) for part in outcome.pieces), np.zeros(bodies, np.int64))

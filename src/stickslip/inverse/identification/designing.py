@@ -190,7 +190,7 @@ def design(
     of, settings = _checked(make, free, experiments, noise, samples, together, using, arguments)
     rivals = [] if rivals is None else list(rivals)
     units = units_of_settings(make, free, settings)
-    slopes: dict[int, Slopes] = {}
+    slopes: dict[int, ExperimentSlopes] = {}
     curves, apart, targets, dropped = {}, {}, {}, []
     for i, chosen in enumerate(settings):
         try:
@@ -294,7 +294,7 @@ def units_of_settings(make: Model | Callable[..., Any], free: Iterable[str], set
 
 
 @dataclass(frozen=True, eq=False)
-class Slopes:
+class ExperimentSlopes:
     """Derivatives of the values of one experiment.
 
     Parameters
@@ -319,7 +319,7 @@ def _curve_of(model: Model, using: str, samples: int, rtol: float) -> Any:
 
 def curve_and_slopes(
     of: Parameters, free: dict[str, float], i: int, using: str, samples: int, rtol: float, ripple: tuple[DriveNumber, ...] = ()
-) -> tuple[Any, Slopes, float]:
+) -> tuple[Any, ExperimentSlopes, float]:
     """The curve of an experiment, its derivatives by the parameters and by what is its own, and its period."""
     model = of.model(free, i)
     here = _curve_of(model, using, samples, rtol)
@@ -334,7 +334,7 @@ def curve_and_slopes(
     ]
     own = [np.gradient(here) * samples] + ([np.ones(samples)] if using == "position" else [])
     own += [slope(lambda d, name=n.name: rippled(model, {name: d}), _STEP) for n in ripple]  # type: ignore[misc]
-    return here, Slopes(np.stack(columns, axis=1), np.stack(own, axis=1), ripple), float(model.drive.period)
+    return here, ExperimentSlopes(np.stack(columns, axis=1), np.stack(own, axis=1), ripple), float(model.drive.period)
 
 
 def record_of(here: Any, using: str, noise: float, period: float) -> Target:
