@@ -18,7 +18,7 @@ from stickslip.basics.errors import InputError
 from stickslip.basics.unpacking import VARIABLE, Allowance
 from stickslip.records.extras import missing
 from stickslip.records.formats import Format
-from stickslip.records.raw import Column, Raw
+from stickslip.records.raw import Raw, RawColumn
 
 #: Time for a file [s], and for each byte of it: a file of a gigabyte takes ten seconds.
 _SECONDS, _PER_BYTE = 60.0, 1e-7
@@ -60,7 +60,7 @@ def _column(described: list[Any] | None, numbers: io.BytesIO) -> Any:
     name, unit, kind, shape, axis, role = described
     size = np.dtype(kind).itemsize * math.prod(shape)
     values = np.frombuffer(numbers.read(size), kind).reshape(shape)
-    return Column(name, unit, values, _column(axis, numbers), role)
+    return RawColumn(name, unit, values, _column(axis, numbers), role)
 
 
 # ---- in the process ----
@@ -69,7 +69,7 @@ def packed(raw: Raw) -> bytes:
 
     Examples
     --------
-    >>> packed(Raw("XLSX", [Column("v", "m/s", np.zeros(0))], {"gain": 2j}))[:62]
+    >>> packed(Raw("XLSX", [RawColumn("v", "m/s", np.zeros(0))], {"gain": 2j}))[:62]
     b'{"problems": [], "format": "XLSX", "columns": [["v", "m/s", "<'
     """
     head = {"problems": [], **vars(raw), "columns": [_described(c) for c in raw.columns]}
@@ -77,11 +77,11 @@ def packed(raw: Raw) -> bytes:
     return b"\n".join([line, b"".join(part for c in raw.columns for part in _numbers(c))])
 
 
-def _described(c: Column | None) -> list[Any] | None:
+def _described(c: RawColumn | None) -> list[Any] | None:
     return None if c is None else [c.name, c.unit, c.values.dtype.str, c.values.shape, _described(c.axis), c.role]
 
 
-def _numbers(c: Column) -> Iterator[bytes]:
+def _numbers(c: RawColumn) -> Iterator[bytes]:
     yield c.values.tobytes()
     if c.axis is not None:
         yield from _numbers(c.axis)
