@@ -54,8 +54,8 @@ class StopRequest:
 
     Examples
     --------
-    >>> whole = Stop()
-    >>> part = Stop(whole)
+    >>> whole = StopRequest()
+    >>> part = StopRequest(whole)
     >>> whole.set("Ctrl-C")
     >>> part.why, bool(part)
     ('Ctrl-C', True)

@@ -32,7 +32,7 @@ class TextLines(Sequence[str]):
 
     Examples
     --------
-    >>> lines = Lines(b"t,v\n1,2\n3,4")
+    >>> lines = TextLines(b"t,v\n1,2\n3,4")
     >>> len(lines), lines[1], lines[1:].data
     (3, '1,2', b'1,2\n3,4')
     """

@@ -57,7 +57,7 @@ class FigureMotion:
 
         Examples
         --------
-        >>> Motion(23, "periodic", 2, (-0.39,), -0.47, 1e-12, 1e-13, 0.0, "").word
+        >>> FigureMotion(23, "periodic", 2, (-0.39,), -0.47, 1e-12, 1e-13, 0.0, "").word
         'periodic, period 2'
         """
         return f"periodic, period {self.period}" if self.kind == "periodic" else self.kind
