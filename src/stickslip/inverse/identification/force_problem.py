@@ -25,7 +25,7 @@ class DrivenProblem(OverParameters):
     Parameters
     ----------
     parameters : Parameters
-    targets : tuple of Motion or Bench
+    targets : tuple of PrescribedMotion or MachineLog
     level : float
         Standard deviation of the force, the same for all samples [N].
     thin : int
