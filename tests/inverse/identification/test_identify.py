@@ -269,11 +269,11 @@ def test_a_driven_law_agrees_with_a_solver_of_its_own():
     t, x = strokes()
     v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
     motion = PrescribedMotion(t, v, np.full(len(t), 10.0), np.zeros(len(t)), 0, False, "")
-    ours, z, theirs = driven_force(law, motion)[:, 0], 0.0, []
+    ours, z, theirs, at = driven_force(law, motion)[:, 0], 0.0, [], 0.5 * (v[1:-1] + v[2:])  # the velocity at samples 1, 2, ...
     for k in range(1, 400):
         done = solve_ivp(lambda s, y, k=k: [law.rate(v[k], y[0], 10.0)], (t[k - 1], t[k]), [z], method="LSODA", rtol=1e-10, atol=1e-16)
         z = done.y[0, -1]
-        theirs.append(law.force(v[k], z, law.rate(v[k], z, 10.0), 10.0))
+        theirs.append(law.force(at[k - 1], z, law.rate(at[k - 1], z, 10.0), 10.0))
     assert np.allclose(ours[1:400], theirs, atol=1e-6 * np.ptp(ours))
 
 
