@@ -509,7 +509,7 @@ without_picture = {
     "Rotation": "one number of a motion: ss.plot.phase draws the run that it comes from",
     "AtlasTime": "an estimate in seconds: its atlas draws itself",
     "Derived": "an axis of a sweep, no result",
-    "Border": "a line of a map: ss.plot.motion_map draws the borders on the map",
+    "BorderPiece": "a line of a map: ss.plot.motion_map draws the borders on the map",
     "Waveform": "what is to be searched, no result",
     "Observable": "a column to be, no result",
     "ExportedLaw": "source text",

@@ -153,15 +153,15 @@ def oscillation(run: Trajectory, slip_ratio: float, dwell: float) -> Oscillation
     v = _velocities(run, late)
     swings = np.ptp(v, axis=0)
     if swings.max() <= _STEADY * float(np.max(machine_of(run.model).velocity_scale)):
-        return _of_stretch(run, "steady", None, late[0], end, 0.0, slip_ratio, dwell)
+        return _of_stretch(run, "steady", None, float(late[0]), end, 0.0, slip_ratio, dwell)
     body = int(np.argmax(swings))
     returns = returns_of(run, late, v[:, body], body)
     if len(returns) < 2:
-        return _of_stretch(run, "not settled", None, late[0], end, np.nan, slip_ratio, dwell)
+        return _of_stretch(run, "not settled", None, float(late[0]), end, np.nan, slip_ratio, dwell)
     turns, change = _repeats(run, returns, v)
     if turns is None:
-        return _of_stretch(run, "not settled", None, returns[-2], returns[-1], change, slip_ratio, dwell)
-    return _of_stretch(run, "", turns, returns[-1 - turns], returns[-1], change, slip_ratio, dwell)
+        return _of_stretch(run, "not settled", None, float(returns[-2]), float(returns[-1]), change, slip_ratio, dwell)
+    return _of_stretch(run, "", turns, float(returns[-1 - turns]), float(returns[-1]), change, slip_ratio, dwell)
 
 
 def _velocities(run: Trajectory, t: Array) -> Array:

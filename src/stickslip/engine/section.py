@@ -29,8 +29,9 @@ def until_section(system: System) -> System:
     Examples
     --------
     >>> from stickslip.engine.trace import trace
+    >>> from stickslip.models.friction import Coulomb
     >>> from stickslip.models.machines.block_on_belt import BlockOnBelt
-    >>> belt = trace(BlockOnBelt.example())
+    >>> belt = trace(BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=Coulomb(1.0, 1.0)))
     >>> cut = until_section(belt)
     >>> len(cut.guards) - len(belt.guards), cut.names[-2:]
     (3, ('section value', 'section returns'))

@@ -280,7 +280,7 @@ def test_a_driven_law_agrees_with_a_solver_of_its_own():
 def test_a_driven_law_that_holds_in_a_band_gives_what_was_measured_there():
     law = ss.Karnopp(0.15, 0.21, 0.18, 0.24, width=1e-3)
     v, measured = np.array([0.0, 5e-4, -5e-4, 5e-4, 2e-3, -2e-3]), np.array([0.5, 1.7, -3.0, 9.0, 9.0, 9.0])
-    motion = PrescribedMotion(np.arange(6.0), v, np.full(6, 10.0), measured, 0, False, "")
+    motion = PrescribedMotion(np.arange(6.0), v, np.full(6, 10.0), measured, 0, False, "", at=v)
     assert driven_force(law, motion)[:, 0] == pytest.approx([0.5, 1.7, -2.4, 1.8, 1.5, -2.1])
     many = ss.Karnopp(np.array([0.15, 0.3]), 0.21, 0.38, 0.24, width=1e-3)
     assert driven_force(many, motion, 2)[4].tolist() == [1.5, 3.0]

@@ -69,8 +69,8 @@ def on_section(model: Model, at: Coordinates | None = None) -> Coordinates:
     Examples
     --------
     >>> import stickslip as ss
-    >>> at = on_section(ss.BlockOnBelt.example())
-    >>> at.section.name, at.section.value, at.section.direction
+    >>> at = on_section(ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0, f_plus=1.5, f_minus=1.5)))
+    >>> at.section.name, float(at.section.value), at.section.direction
     ('v', 0.0, -1.0)
     """
     at = coordinates(model) if at is None else at
