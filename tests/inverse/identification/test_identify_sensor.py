@@ -201,10 +201,10 @@ def forces_of(record, place, **numbers):
 
 def test_a_contact_at_rest_bears_what_the_sensor_did_not_add():
     """Friction of 1.5 N forwards under a zero of 0.5 N: at rest 2 N are shown at most, and whatever is below is met."""
-    t, F = np.arange(24.0), np.concatenate([np.full(4, 2.0), np.tile([1.0, 1.5, 1.9, 3.0], 5)])
-    record = ss.Record.of(t, {"x [m]": np.minimum(t, 3.0), "F [N]": F})  # a slide, then a rest
+    t, F = np.arange(40.0), np.concatenate([np.full(20, 2.0), np.tile([1.0, 1.5, 1.9, 3.0], 5)])
+    record = ss.Record.of(t, {"x [m]": np.minimum(t, 19.0), "F [N]": F})  # a slide, then a rest
     _, shown = forces_of(record, (), offset=0.5)
-    assert shown[4:].tolist() == np.tile([1.0, 1.5, 1.9, 2.0], 5).tolist()
+    assert shown[20:].tolist() == np.tile([1.0, 1.5, 1.9, 2.0], 5).tolist()
 
 
 def test_a_delayed_sensor_shows_any_force_between_those_of_a_slide_and_of_a_rest():
