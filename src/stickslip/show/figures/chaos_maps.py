@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 #: Colours of a map of motions by period number, chaotic, quasi-periodic, not settled; distinguishable with any colour vision.
 MOTIONS = {
     "period 1": "#E3ECF4", "2": "#8CC1E0", "3": "#F2C46D", "4": "#3B87BA", "5 to 7": "#663333", "8 and more": "#12456B",
-    "chaotic": "#D55E00", "quasi-periodic": "#6BA368", "steady": "#B07CC6", "not settled": "#9A9A9A", "runs away or not solved": "#1A1014",
+    "chaotic": "#D55E00", "quasi-periodic": "#6BA368", "steady": "#E6D7AC", "not settled": "#9A9A9A", "runs away or not solved": "#1A1014",
 }  # fmt: skip
 _LOWEST = -2.0  # lower exponents all have one colour
 
