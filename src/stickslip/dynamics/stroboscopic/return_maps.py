@@ -18,6 +18,7 @@ from stickslip.basics.status import Status
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, Ends, coordinates, map_method, spread_over
 from stickslip.models.machine_adapter import machine_of
 
+_ON = 1e-9  # of a coordinate's scale: a start that is so near to the section is on it
 LONGEST_RETURN = 60.0  # times the model's own time: how long a return may take before it is one that does not come back
 
 
@@ -149,9 +150,6 @@ def _returned(model: Model, states: Array, returns: int, rtol: float, at: Coordi
         state[:, 0] -= np.where(good, machine_of(model).far_end_velocity * duration, 0.0)
     status = np.where(returned, int(Status.FINISHED), results.status)
     return Ends(state, way, status, results.wide_max + offset, results.wide_min + offset, duration=duration), table
-
-
-_ON = 1e-9  # of a coordinate's scale: a start that is so near to the section is on it
 
 
 def _column(at: Coordinates, kernel: Any) -> int:
