@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.analysis.run_segments import WatchedContact, WatchedOf, elastic_segments, pieces_within
+from stickslip.analysis.run_segments import WatchedContact, WatchedOf, segments_within
 from stickslip.basics.arguments import described_as
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
@@ -184,11 +184,10 @@ def _repeats(run: Trajectory, returns: Array, v: Array) -> tuple[int | None, flo
     x = np.asarray(states["x"], float).reshape(len(returns), -1)
     z = np.asarray(states["z"], float).reshape(len(returns), -1) if states["z"] is not None else np.zeros((len(returns), 0))
     ways, times = np.diff(x[:, 0]), np.diff(returns)
-    rows = np.column_stack([_velocities(run, returns), x - x[:, :1], z])[1:]
-    rows = np.column_stack([rows, ways, times])
-    sizes = np.concatenate([np.ptp(v, axis=0), *(np.full(n, s) for n, s in ((x.shape[1], float(np.ptp(v)) * float(times.mean())),))])
-    inner = np.max(abs(z), axis=0, initial=0.0)
-    sizes = np.concatenate([np.maximum(sizes, 1e-300), np.where(inner > 0, inner, 1.0), [sizes[-1], float(times.mean())]])
+    rows = np.column_stack([_velocities(run, returns)[1:], (x - x[:, :1])[1:], z[1:], ways, times])
+    way, inner = max(float(np.ptp(v)) * float(times.mean()), 1e-300), np.max(abs(z), axis=0, initial=0.0)
+    speeds = np.maximum(np.ptp(v, axis=0), 1e-300)
+    sizes = np.concatenate([speeds, np.full(x.shape[1], way), np.where(inner > 0, inner, 1.0), [way, float(times.mean())]])
     near = max(_NEAR, 100.0 * float(run.rtol))
     misses = [float(np.max(abs(rows[-1] - rows[-1 - p]) / sizes)) for p in range(1, min(_LONGEST, len(rows) - 1) + 1)]
     for p, miss in enumerate(misses, start=1):
@@ -248,11 +247,7 @@ def _is_as_before(run: Trajectory, column: str, body: int, level: float, before:
 
 def _contact(watched: WatchedContact, begin: float, end: float, slip_ratio: float, dwell: float) -> ContactOscillation:
     """What one contact does in a stretch."""
-    if watched.law.has_slip_ratio:
-        edges, code = elastic_segments(watched, begin, end, slip_ratio)
-    else:
-        edges, index = pieces_within(watched.run.pieces, begin, end)
-        code = 2 * watched.modes[index].astype(int)
+    edges, code, _ = segments_within(watched, begin, end, slip_ratio)
     time = np.diff(edges) / (end - begin)
     merged = intervals_of(np.array([len(time)]), time[None, :], code[None, :], dwell)
     parts = [float(merged.length[0][merged.sign[0] == sign].sum()) for sign in (0, 1, -1)]

@@ -112,12 +112,17 @@ def raw_segments(run: Any, period: int, slip_ratio: float, watched: WatchedConta
     watched = watched or WatchedContact(run)
     end = float(run.pieces.t[-1])
     start = max(end - period * run.period_time, float(run.pieces.t[0]))
+    edges, code, index = segments_within(watched, start, end, slip_ratio)
+    margin = np.inf if index is None or watched.law.dynamic else _force_margin(watched, edges, index)
+    return Segments(np.diff(edges) / run.period_time, code, margin)
+
+
+def segments_within(watched: WatchedContact, start: float, end: float, slip_ratio: float) -> tuple[Array, Array, Array | None]:
+    """Ends and codes of a contact's segments within a span, and their pieces of the run where each is one."""
     if watched.law.has_slip_ratio:
-        edges, code = elastic_segments(watched, start, end, slip_ratio)
-        return Segments(np.diff(edges) / run.period_time, code, np.inf)
-    edges, index = pieces_within(run.pieces, start, end)
-    margin = np.inf if watched.law.dynamic else _force_margin(watched, edges, index)
-    return Segments(np.diff(edges) / run.period_time, 2 * watched.modes[index].astype(int), margin)
+        return *elastic_segments(watched, start, end, slip_ratio), None
+    edges, index = pieces_within(watched.run.pieces, start, end)
+    return edges, 2 * watched.modes[index].astype(int), index
 
 
 def shares(run: Trajectory) -> dict[str, float]:

@@ -147,7 +147,7 @@ class _Look:
         settled = settled_motions(
             model, states, at, self.settle, self.limit, self.rtol, groups=np.arange(n), points=max(self.points, POINTS)
         )
-        V = features_of(None if model.period is None else np.asarray(model.period, float), settled, at).mean_velocity
+        V = features_of(model.period, settled, at).mean_velocity
         ends, known = settled.points[:, -1], np.flatnonzero(np.isfinite(settled.points[:, -1]).all(axis=1))
         extremes = np.full((2, n), np.nan)
         if len(known):

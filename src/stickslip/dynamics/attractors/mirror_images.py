@@ -57,7 +57,7 @@ def mirror_images(model: Model, at: Coordinates, motions: Features, states: Arra
     if not known.any():
         return places
     settled = settled_motions(spread_over(model, int(known.sum())), images[known], at, 1, LIMIT, rtol)
-    mirrored = features_of(float(model.period), settled, at)
+    mirrored = features_of(model.period, settled, at)
     for row, i in enumerate(np.flatnonzero(known).tolist()):
         if settled.attracted[row]:
             places[i] = next((j for j, member in enumerate(members) if mirrored.same(row, motions, member)), None)

@@ -83,16 +83,17 @@ def features_of(T: Any, settled: Settled, at: Coordinates, by_phase: bool = Fals
 
     With `by_phase` the strobe is at another phase for each start, and only the mean velocity counts.
     """
+    T = None if T is None else np.asarray(T, float)
     V = np.array(steady_velocity(settled.ways, settled.period, settled.times if T is None else T))
     if at.section is not None:
         V[abs(V) <= np.where(settled.kind == STEADY, _SAME, _ROUNDING) * at.speed] = 0.0
     means = _means(settled.points, settled.period, V, at, by_phase)
-    spread, clouds, span = np.zeros_like(means), dict[int, Array](), None if T is None else np.broadcast_to(np.asarray(T, float), V.shape)
+    spread, clouds, span = np.zeros_like(means), dict[int, Array](), None if T is None else np.broadcast_to(T, V.shape)
     for i, long in settled.long.items():
         if settled.kind[i] == PERIODIC and 0 < settled.period[i] <= POINTS // 2:
             continue
-        took = settled.long_times[i] if span is None else span[i]
-        V[i] = float(smooth_weights(len(long)) @ long[:, -1]) / (span[i] if span is not None else float(smooth_weights(len(long)) @ took))
+        took, weights = settled.long_times[i] if span is None else span[i], smooth_weights(len(long))
+        V[i] = float(weights @ long[:, -1]) / (float(weights @ took) if span is None else took)
         points = _without_shifts(long[None, :, :-1], at)[0] / at.scales
         speeds = long[:, -1:] / (np.reshape(took, (-1, 1)) * at.speed)
         kept = speeds if by_phase else np.hstack([points, speeds])

@@ -154,7 +154,7 @@ def _looked_at(
     at = on_section(model, coordinates(robots.robot(*(column[0] for column in values))))
     settled = settled_motions(model, states_of(start, model), at, settle, limit, rtol, groups=np.arange(cases), exponents=periods)
     tell(0.7)
-    V = features_of(None if model.period is None else np.asarray(model.period, float), settled, at).mean_velocity
+    V = features_of(model.period, settled, at).mean_velocity
     state, exponent, error = settled.points[:, -1], settled.exponent.copy(), settled.error.copy()
     followed = at.section is None and not not_followed(model)
     for p in np.unique(settled.period[settled.period > 0]):

@@ -119,8 +119,8 @@ def exponents_along(model: Model, periods: int, settle: int, start: Any, rtol: f
 
 def _between_returns(model: Model, periods: int, settle: int, start: Any, rtol: float, progress: Report | None) -> tuple[Lyapunov, bool]:
     """The same of a model without a period, from return to return to its section; the exponent along the motion, 0, is among them."""
-    at, d = on_section(model), coordinates(model).smooth
-    state, scales = states_of(start, model), at.scales[:d]
+    at = on_section(model)
+    d, state, scales = at.smooth, states_of(start, model), at.scales[: at.smooth]
     state = strobe_map(model, state, settle, rtol, at).state if settle else state
     Q, parts, watch = np.eye(d), -_ALIGN, Watch(periods, progress)
     logs: list[Array] = []
