@@ -282,7 +282,7 @@ def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[i
         "PLACES": 1 + (eq.coordinates if eq.signals else 0),
         "LASTING": step.fields.index("soon") if "soon" in offsets else 0,
         "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))),
-        "F_C": len(offsets) * lanes, "F_Y": offsets["y0"], "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],
+        "F_C": len(offsets) * lanes, "F_Y": offsets["y0"], "F_SIGN": offsets["b0" if eq.dynamic else "mode0" if eq.modes else "y0"],
     }  # fmt: skip
     firsts = {
         "F_B": "b0", "F_ON": "on0", "F_M": "m1", "F_K": "k0_0", "F_MODE": "mode0", "F_CLK": "clk0", "F_G": "g0_0", "F_CLEAR": "clear0",

@@ -42,8 +42,6 @@ def refusal_of(machine: MachineAdapter) -> str:
     """The same of a machine's adapter, where it is at hand."""
     m = machine.mechanics
     other = 'type method="dop853" (SciPy on the machine in plain Python: slower)'
-    if not m.contacts:
-        return f"it has no contact, so that nothing rubs; the compiled methods are for machines with friction; {other}"
     if not all(law.compiles for law in m.laws):
         return f"one of its laws is written for plain numbers only; {other}"
     if not _apart(m.stops):

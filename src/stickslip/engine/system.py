@@ -123,8 +123,8 @@ class System:
 
     @property
     def dynamic(self) -> bool:
-        """Whether the laws have a rate and a force, and so never rest exactly."""
-        return not self.labels and all(contact.branches is None for contact in self.contacts)
+        """Whether there are laws with a rate and a force, which never rest exactly, and no others."""
+        return bool(self.contacts) and all(contact.branches is None for contact in self.contacts)
 
     @property
     def sides(self) -> int:

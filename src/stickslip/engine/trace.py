@@ -34,7 +34,8 @@ def label(model: Model) -> str:
     drive, track = machine_of(model).drive, machine_of(model).track
     if not machine_of(model).is_single:
         laws = [law.name for law in machine_of(model).mechanics.laws]
-        return " × ".join([*dict.fromkeys(laws), type(model if lists_parts(model) else model.drive).__name__, str(len(laws))])
+        numbered = [str(len(laws))] if laws else []
+        return " × ".join([*dict.fromkeys(laws), type(model if lists_parts(model) else model.drive).__name__, *numbered])
     parts = [machine_of(model).law_names, type(model).__name__ if drive is None else machine_of(model).drive_name]
     if track is not None and type(track).__name__ != "Level":
         parts.append(type(track).__name__)
@@ -135,8 +136,8 @@ def _traced(model: Model, cyclic: bool, observe: Observed, noted: bool = False) 
 
 def _apart(m: Symbolic, parts: Assembly) -> tuple[Sym, Sym] | None:
     """The friction force of one body by the law's inner state and its rate as if they were two variables; for one inner state."""
-    law = m.laws[0]
-    if not m.single or not law.dynamic or law.states != 1 or law.modes or law.needs_applied:
+    law = m.laws[0] if m.single else None
+    if law is None or not law.dynamic or law.states != 1 or law.modes or law.needs_applied:
         return None
     conditions, rate = len(m.graph.guards), m.graph.variable("zdot")
     braked = m.accelerations({0: law.force(m.slips[0], tuple(parts.inner), (rate,), m.loads[0], (), None)})[0]

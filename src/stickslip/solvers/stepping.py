@@ -12,6 +12,7 @@ from stickslip.basics.errors import SolveError
 from stickslip.basics.pool import shared
 from stickslip.basics.status import Status
 from stickslip.engine import lanes, law_checks as checks
+from stickslip.engine.kernels.columns import SEGS as SEGMENTS
 from stickslip.engine.slaved import Series
 from stickslip.engine.tableaux import Tableau
 from stickslip.models.friction.law_adapter import law_of
@@ -149,10 +150,11 @@ def _bounds(cases: int, workers: int) -> list[tuple[int, int]]:
 
 def _raw(todo: Request, r: lanes.Results, kernel: lanes.Kernel, table: CaseTable) -> RawResults:
     offset, carried = table.offsets[:, 0], table.carried * table.span
+    first = r.seg_count[:, 0] if kernel.contacts else np.zeros(len(r.status), int)  # segments of the first contact, if there is one
     of_parts = None if r.parts is None else _raw_parts(r, kernel, table.offsets, carried * r.window)
     return RawResults(
         displacement=r.displacement + carried * r.window, window=r.window, period=r.period, periods_run=r.periods_run, status=r.status,
-        v_max=r.v_max + offset, v_min=r.v_min + offset, seg_count=r.seg_count[:, 0], seg_time=r.seg_time, seg_code=r.seg_code,
+        v_max=r.v_max + offset, v_min=r.v_min + offset, seg_count=first, seg_time=r.seg_time, seg_code=r.seg_code,
         margin_force=np.full(len(r.status), np.inf), limit=r.limit + carried,
         wide_max=r.wide_max + offset, wide_min=r.wide_min + offset, friction_power=r.friction_power, parts=of_parts,
         observed={name: _reduced(r, each.reduce, f"u.{name}", table.span) for name, each in todo.observe},
@@ -180,7 +182,7 @@ def _raw_parts(r: lanes.Results, kernel: lanes.Kernel, offsets: Any, carried: An
 
     difference = 0.0 if kernel.arms else offsets[:, list(kernel.bodies)]  # the states of lanes are less than the velocities by this
     stops = {name: values[:, 0] for name, values in parts.reduced.items() if name[0] in "JF"}
-    shape = (len(r.status), kernel.contacts, -1)
+    shape = (len(r.status), kernel.contacts, SEGMENTS)
     return RawParts(
         displacement=parts.moved[:, list(kernel.bodies)] + carried[:, None],
         v_max=stacked("v", 1), v_min=stacked("v", 2), wide_max=parts.wide_max + difference, wide_min=parts.wide_min + difference,

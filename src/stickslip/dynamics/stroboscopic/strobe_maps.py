@@ -382,7 +382,7 @@ def run_lanes(
 
 def _segments(results: Any, contacts: int, span: Array) -> tuple[tuple[Array, Array, Array], ...]:
     """Segments of each contact, in drive periods."""
-    counts, width = results.seg_count, results.seg_time.shape[1] // results.seg_count.shape[1]
+    counts, width = results.seg_count, results.seg_time.shape[1] // max(results.seg_count.shape[1], 1)
     parts = [slice(i * width, (i + 1) * width) for i in range(min(contacts, counts.shape[1]))]
     return tuple((counts[:, i], results.seg_time[:, part] / span[:, None], results.seg_code[:, part]) for i, part in enumerate(parts))
 

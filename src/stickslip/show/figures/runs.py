@@ -335,6 +335,10 @@ def forces(run: Trajectory, periods: float | None = None, ax: Ax = None, duratio
     'friction force $R$'
     """
     run = only_run(run)
+    if not run.contacts:
+        raise InputError(
+            "plot", ["it has no contact, and so no friction force; type ss.plot.velocity(run), or ss.plot.contacts(run) for stops"]
+        )
     if _parts(run, "contact"):
         return _forces_of_contacts(run, periods, ax, duration)
     start, end = span(run, 2 if periods is None and run.model.period is not None else periods, duration)
