@@ -193,14 +193,21 @@ def test_fast_intervals_equal_the_slow_ones():
 def strobes(values, rtol=1e-6, settle=0):
     v = np.asarray(values, float)
     model = SimpleNamespace(
-        period=1.0, velocity_scale=1.0, load=1.0, acceleration=lambda t, x, v, R: -R, friction=SimpleNamespace(rate=1, force=1)
+        period=1.0,
+        velocity_scale=1.0,
+        load=1.0,
+        total_mass=1.0,
+        acceleration=lambda t, x, v, R: -R,
+        friction=SimpleNamespace(rate=1, force=1),
     )
     times = np.arange(float(len(v)))
-    points = dict(strobe_v=v, strobe_z=None, _strobe_inner=None, strobe_times=times, strobe_x=np.cumsum(v))
+    x = np.cumsum(v)
+    points = dict(strobe_v=v[:, None], strobe_z=None, _strobe_inner=np.empty((len(v), 1, 0)), strobe_times=times, strobe_x=x[:, None])
     pieces = SimpleNamespace(layout=StateLayout.of_one(inner=1))
     run = SimpleNamespace(
         **points, pieces=pieces, settle=settle, rtol=rtol, model=model, method="Rodas5P", known_period=None, period_time=1.0
     )
+    run.with_axes = run
     run.steadiness = steadiness_of_run(run)
     return run
 

@@ -46,7 +46,7 @@ def test_unequal_blocks_settle_on_their_cycle_at_the_rate_of_its_multiplier():
     cycle = ss.periodic_orbit(machine)
     assert cycle.stable and cycle.multipliers[0] == pytest.approx(0.16815, abs=1e-4)
     off = {**cycle.start, "x": {"first": cycle.start["x"]["first"], "second": cycle.start["x"]["second"] + 1e-4}}
-    run = ss.solve(machine, duration=4 * cycle.duration, start=off).parted
+    run = ss.solve(machine, duration=4 * cycle.duration, start=off).with_axes
     path = [float(run.at(np.array([k * cycle.duration]))["x"][0, 1]) for k in (1, 2, 3)]  # later or earlier on the cycle, for good
     assert (path[2] - path[1]) / (path[1] - path[0]) == pytest.approx(cycle.multipliers[0], rel=1e-2)
 

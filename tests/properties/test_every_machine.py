@@ -12,7 +12,7 @@ import stickslip as ss
 from every import Case, door_of, every_door, every_machine, not_on_page, without_line, wrong_line
 from registries import tell
 from rows import each_row
-from stickslip.analysis.works import lost_at_hits
+from stickslip.analysis.losses_at_instants import lost_at_hits
 from stickslip.mechanisms import MECHANISMS
 
 PAGE = Path(__file__).parents[2] / "docs" / "which-machine.md"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.analysis.motion import DWELL, SLIP_RATIO
-from stickslip.analysis.run_segments import WatchedContact, WatchedOf, elastic_segments, pieces_within
+from stickslip.analysis.run_segments import WatchedContact, elastic_segments, pieces_within, watched_contacts
 from stickslip.basics.contracts import Array
 from stickslip.basics.maths import bisected
 from stickslip.models.machine_adapter import machine_of
@@ -39,13 +39,6 @@ def contact_modes(run: Trajectory, start: float, end: float) -> dict[str, list[S
     {'module 1': [-1, 1, -1], 'module 2': [1, 0, -1, 0, 1]}
     """
     return {name: _stretches(watched, start, end, run._aloft[:, i]) for i, (name, watched) in enumerate(watched_contacts(run).items())}
-
-
-def watched_contacts(run: Trajectory) -> dict[str, WatchedContact]:
-    """The contacts of a run, of one or of several, by name."""
-    if machine_of(run.model).is_single:
-        return {name: WatchedContact(run) for name in run.contacts}
-    return {name: WatchedOf(run.parted, i) for i, name in enumerate(run.contacts)}
 
 
 def _stretches(watched: WatchedContact, start: float, end: float, aloft: Array) -> list[Stretch]:
@@ -85,14 +78,11 @@ def _joined(edges: Array, signs: Array, start: float, end: float) -> list[Stretc
 
 def pressed_stops(run: Trajectory, start: float, end: float) -> dict[str, list[tuple[float, float]]]:
     """From when to when each elastic stop of a machine is pressed within a span [s], by the names of the bodies that meet."""
-    machine = machine_of(run.model)
-    if machine.is_single:
-        return {}
-    mechanics: Any = machine.mechanics
+    mechanics: Any = machine_of(run.model).mechanics
     pressed: dict[str, list[tuple[float, float]]] = {}
     for name, stop in mechanics.named_stops:
         if stop.part.restitution is None:
-            pressed[name] = _pressed(run.parted, mechanics, stop.ends, stop.part, start, end)
+            pressed[name] = _pressed(run.with_axes, mechanics, stop.ends, stop.part, start, end)
     return pressed
 
 
@@ -115,8 +105,7 @@ def _pressed(run: Any, mechanics: Any, ends: Any, stop: Any, start: float, end: 
 
 def hits(run: Any, start: float, end: float) -> dict[str, list[tuple[float, float]]]:
     """Hits within a span on each stop that throws bodies back, by the bodies that meet: times [s] and rates of the gap [m/s]."""
-    machine = machine_of(run.model)
-    hits: dict[str, list[tuple[float, float]]] = {} if machine.is_single else {stop.name: [] for stop in machine.mechanics.stops}
+    hits: dict[str, list[tuple[float, float]]] = {stop.name: [] for stop in machine_of(run.model).mechanics.stops}
     for event in run.events:
         if event.kind == "hit" and start <= event.t <= end:
             hits[event.part].append((event.t, float(event.velocity)))

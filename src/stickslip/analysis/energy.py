@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.analysis import works as works_of_parts
-from stickslip.analysis.steady import is_run, needs_run
+from stickslip.analysis.losses_at_instants import at_landings, lost_at_hits
+from stickslip.analysis.steady import is_run
 from stickslip.basics.arguments import described_as, explains_arguments
 from stickslip.basics.contracts import Array
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.notebook_display import Drawn
-from stickslip.models import forces
 from stickslip.models.machine_adapter import machine_of
 from stickslip.results.dense_output import HarmonicArcs
 
@@ -123,10 +122,8 @@ def energy(run: Trajectory) -> Energy:
     >>> ss.energy(Trajectory(robot, at_rest, periods=1, settle=0, rtol=1e-6, method="by hand")).friction.tolist()
     [0.0]
     """
-    several = hasattr(run, "model") and not machine_of(run.model).is_single
-    if several:
-        is_run("energy", run)
-    run = run.parted if several else needs_run("energy", run, "it balances the friction of one contact")
+    is_run("energy", run)
+    run, mechanics = run.with_axes, machine_of(run.model).mechanics
     borders, x, v = _borders(run)
     edges, index, owner = _cut(run, borders)
     nodes, weights = np.polynomial.legendre.leggauss(NODES_ARC if isinstance(run.pieces, HarmonicArcs) else NODES_STEP)
@@ -143,18 +140,17 @@ def energy(run: Trajectory) -> Energy:
         low, high = np.minimum(low, lower), np.maximum(high, higher)
     for (when, jump), row in zip(run._impulses, _rows(run, borders), strict=True):
         _add_impulse(run, works, when, jump, row)
-    if several:
-        for when, loss, stop in works_of_parts.lost_at_hits(run, machine_of(run.model).mechanics):
-            row = np.clip(np.searchsorted(borders, when, side="right") - 1, 0, count - 1)
-            of_parts["damping"].setdefault(stop, np.zeros(count))[row] += loss
-        for when, taken, given, contact in works_of_parts.at_landings(run, machine_of(run.model).mechanics):
-            row = np.clip(np.searchsorted(borders, when, side="right") - 1, 0, count - 1)
-            of_parts["friction"][contact][row] += taken
-            works["drive"][row] += given
-        works |= {n: sum(of_parts[n].values(), np.zeros(count)) for n in of_parts}
-    changes = {"kinetic": np.diff(_kinetic(run, v))}
-    if not several:
-        changes["potential"] = np.diff(_potential(run, borders, x))
+    for when, loss, stop in lost_at_hits(run, mechanics):
+        row = np.clip(np.searchsorted(borders, when, side="right") - 1, 0, count - 1)
+        of_parts["damping"].setdefault(stop, np.zeros(count))[row] += loss
+    for when, taken, given, contact in at_landings(run, mechanics):
+        row = np.clip(np.searchsorted(borders, when, side="right") - 1, 0, count - 1)
+        of_parts["friction"][contact][row] += taken
+        works["drive"][row] += given
+    works |= {n: sum(of_parts[n].values(), np.zeros(count)) for n in of_parts if of_parts[n]}
+    changes = {"kinetic": np.diff(mechanics.kinetic(v))}
+    if (stored := mechanics.potential(borders, x)) is not None:
+        changes["potential"] = np.diff(stored)
     gross = [*gross, *(abs(w) for n, w in {**works, **changes}.items() if n != "actuator")]
     residual = _residual(run, {**works, **changes}, gross, low, high)
     balance: dict[str, Any] = {**works, **changes}
@@ -185,7 +181,8 @@ def _integrals(run: Trajectory, edges: Array, index: Array, owner: Array, count:
     of_parts = _of_parts(run, powers, integral)
     works = {n: integral(p) for n, p in powers.items() if p.ndim == 1} | {n: np.zeros(count) for n, p in powers.items() if p.ndim == 2}
     gross = [integral(abs(p)) for n, part in powers.items() if n != "actuator" for p in (part.T if part.ndim == 2 else part[None])]
-    kinetic = _kinetic(run, run._states_at(t.ravel(), np.repeat(index, len(nodes)))[1]).reshape(t.shape)
+    v = run._states_at(t.ravel(), np.repeat(index, len(nodes)))[1]
+    kinetic = machine_of(run.model).mechanics.kinetic(v).reshape(t.shape)
     low, high = np.full(count, np.inf), np.zeros(count)
     np.minimum.at(low, owner, kinetic.min(axis=1))
     np.maximum.at(high, owner, kinetic.max(axis=1))
@@ -194,13 +191,10 @@ def _integrals(run: Trajectory, edges: Array, index: Array, owner: Array, count:
 
 def _of_parts(run: Trajectory, powers: dict[str, Array], integral: Any) -> dict[str, dict[str, Array]]:
     """Works of friction by contact, and of damping by link; parts with the same ends are added."""
-    machine = machine_of(run.model)
-    if machine.is_single:
-        return {"friction": {name: integral(powers["friction"]) for name in run.contacts}, "damping": {}}
-    names = {"friction": list(run.contacts), "damping": works_of_parts.names_of_links(machine.mechanics)}
+    names = {"friction": list(run.contacts), "damping": machine_of(run.model).mechanics.names_of_links}
     works_of: dict[str, dict[str, Array]] = {"friction": {}, "damping": {}}
     for of, works in works_of.items():
-        for name, power in zip(names[of], powers[of].T, strict=True):
+        for name, power in zip(names[of], powers[of].T if powers[of].ndim == 2 else (), strict=True):
             works[name] = works.get(name, 0.0) + integral(power)
     return works_of
 
@@ -236,54 +230,20 @@ def _rows(run: Trajectory, borders: Array) -> Array:
 def _powers(run: Trajectory, t: Array, index: Array) -> dict[str, Array]:
     """Power of each force [W]."""
     x, v, z = run._states_at(t, index)
-    column, model, none = run._forces_at(t, index, x, v, z), run.model, np.zeros_like(t)
-    if not machine_of(model).is_single:
-        powers = works_of_parts.powers(machine_of(model).mechanics, run._within(t, index), x, v, z, column)
-        return powers | {"actuator": none}
-    R = column["friction_force"]
-    friction = {"friction": R * model.contact_velocity(v)}
-    if machine_of(model).drive is None:
-        return {**_of_mechanism(model, t, x, v, R), **friction, "gravity": none, "actuator": none}
-    gravity = forces.offered_force(model, t, x) - column["drive_force"]
-    works = {"drive": column["drive_force"] * v, "gravity": gravity * v, **friction, "damping": none}
-    return works | {"actuator": column["actuator_power"]}
-
-
-def _of_mechanism(model: Any, t: Array, x: Array, v: Array, R: Array) -> dict[str, Array]:
-    """Power supplied and power lost in dampers [W]; if a mechanism does not declare them, all forces but friction supply power."""
-    none = np.zeros_like(t)
-    if not hasattr(model, "drive_power"):
-        return {"drive": model.total_mass * model.acceleration(t, x, v, 0.0) * v + none, "damping": none}
-    return {"drive": model.drive_power(t, x, v, R) + none, "damping": model.damping_power(t, x, v) + none}
+    return machine_of(run.model).mechanics.powers(run._within(t, index), x, v, z, run._forces_at(t, index, x, v, z))
 
 
 def _add_impulse(run: Trajectory, works: dict[str, Array], t: float, jump: Any, row: int) -> None:
-    """Work of an impulse: its size times the mean of the velocities before and after."""
-    model, several = run.model, not machine_of(run.model).is_single
+    """Work of an impulse: what the kinetic energy gains; that of an actuator is its force on the mass that it throws."""
+    machine = machine_of(run.model)
     before, after = (int(run._index(t + d * run.period_time)) for d in (-1e-12, 1e-12))
     v = run._states_at(np.array([min(t, run.pieces.t[before + 1])]), np.array([before]))[1][0]
     later = run._states_at(np.array([t]), np.array([after]))[1][0] if after > before else v + jump
-    if several:
-        works["drive"][row] += _kinetic(run, later) - _kinetic(run, v)
-        return
-    works["drive"][row] += float(model.total_mass * jump * 0.5 * (v + later))
+    works["drive"][row] += float(machine.mechanics.kinetic(later) - machine.mechanics.kinetic(v))
     moment = 1e-12 * run.period_time
-    for mass, drive in machine_of(model).inner_masses:  # each is thrown by its own jump and by the body's
+    for mass, drive in machine.inner_masses:  # each is thrown by its own jump and by the body's
         xi_rate, thrown = drive.velocity(t - moment), drive.velocity(t + moment)
         works["actuator"][row] += mass * (jump + thrown - xi_rate) * 0.5 * (xi_rate + thrown)
-
-
-def _kinetic(run: Trajectory, v: Array) -> Array:
-    """Kinetic energy of all bodies [J]."""
-    if machine_of(run.model).is_single:
-        return 0.5 * run.model.total_mass * v**2
-    kinetic: Array = works_of_parts.kinetic(machine_of(run.model).mechanics, v)
-    return kinetic
-
-
-def _potential(run: Trajectory, t: Array, x: Array) -> Array:
-    """Energy of the spring of a mechanism [J]."""
-    return (run.model.potential(t, x) if hasattr(run.model, "potential") else 0.0) + np.zeros_like(t)
 
 
 def _residual(run: Trajectory, works: dict[str, Array], gross: list[Array], low: Array, high: Array) -> Array:

@@ -5,14 +5,13 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
-from operator import attrgetter
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.analysis.oscillation import Oscillation, oscillation
-from stickslip.analysis.run_segments import Segments, WatchedContact, WatchedOf, pieces_within, raw_segments
+from stickslip.analysis.run_segments import Segments, WatchedContact, pieces_within, raw_segments, watched_contacts
 from stickslip.analysis.steady import is_run, needs_run, period_number
 from stickslip.basics.arguments import described_as, explains_arguments
 from stickslip.basics.contracts import Law
@@ -200,17 +199,19 @@ def motion(run: Trajectory | Record, slip_ratio: float = SLIP_RATIO, dwell: floa
     if isinstance(run, Trajectory) and run.model.period is None:
         is_run("motion", run)
         return oscillation(run, slip_ratio, dwell)
-    if hasattr(run, "model") and not machine_of(run.model).is_single:
-        return _of_contacts(run.parted, slip_ratio, dwell)
-    single: Trajectory = needs_run("motion", run, "its types and patterns are those of one velocity")
-    return _motion(single, WatchedContact(single), _One(single), slip_ratio, dwell)
+    is_run("motion", run)
+    motions = _of_contacts(run.with_axes, slip_ratio, dwell)
+    if not run.pieces.layout.single:
+        return motions
+    (alone,) = motions.contacts.values()
+    return dataclasses.replace(alone, _twin=partial(_twin_type, run)) if machine_of(run.model).has_inner_states else alone
 
 
 def _of_contacts(run: Trajectory, slip_ratio: float, dwell: float) -> Motions:
     """The motion of each contact of a machine."""
     period = period_number(run)
-    watched = {name: WatchedOf(run, i) for i, name in enumerate(run.contacts)}
-    motions = {name: _motion(run, each, _Slip(run, each.number), slip_ratio, dwell) for name, each in watched.items()}
+    watched = watched_contacts(run)
+    motions = {name: _motion(each, slip_ratio, dwell) for name, each in watched.items()}
     still = tuple(name for name, each in watched.items() if _never_moves(run, each, motions[name]))
     net = run.steadiness.mean_velocity
     machine = machine_of(run.model)
@@ -226,53 +227,27 @@ def _never_moves(run: Trajectory, watched: WatchedContact, motion: Motion) -> bo
     return not np.any(watched.modes[pieces_within(run.pieces, *run.window)[1]])
 
 
-class _One:
-    """How far the only body goes in a motion period, and its velocity."""
-
-    column: Any = property(attrgetter("run.v"), doc="Velocity at the instants of the columns [m/s].")
-
-    def __init__(self, run: Trajectory):
-        self.run = run
-
-    def net(self, count: int) -> float:
-        """Way over the last `count` drive periods [m]."""
-        x = self.run.strobe_x
-        return float(x[-1] - x[max(len(x) - 1 - count, 0)])
+def _way(watched: WatchedContact, count: int) -> float:
+    """Way that a contact slips over the last `count` drive periods [m]: that of its bodies, less what it rubs on."""
+    run, direction = watched.run, np.array(watched.run.pieces.layout.contacts[watched.number].direction)
+    x, since = run.strobe_x, run.strobe_times[-1] - count * run.period_time * (1 + 1e-12)
+    inside = run.t >= since
+    velocity = watched.slip[inside] - run.v[inside] @ direction
+    return float((x[-1] - x[max(len(x) - 1 - count, 0)]) @ direction + np.trapezoid(velocity, run.t[inside]))
 
 
-class _Slip(_One):
-    """How far one contact of several slips in a motion period, and its slip velocity."""
-
-    def __init__(self, run: Trajectory, number: int):
-        self.run, self.number = run, number
-
-    def net(self, count: int) -> float:
-        """Way that the contact slips over the last `count` drive periods [m]: that of its bodies, less what it rubs on."""
-        run, direction = self.run, np.array(self.run.pieces.layout.contacts[self.number].direction)
-        x, since = run.strobe_x, run.strobe_times[-1] - count * run.period_time * (1 + 1e-12)
-        inside = run.t >= since
-        velocity = self.column[inside] - run.v[inside] @ direction
-        return float((x[-1] - x[max(len(x) - 1 - count, 0)]) @ direction + np.trapezoid(velocity, run.t[inside]))
-
-    @property
-    def column(self) -> Any:
-        """Slip velocity at the instants of the columns [m/s]."""
-        return self.run.slip[:, self.number]
-
-
-def _motion(run: Any, watched: WatchedContact, moved: _One, slip_ratio: float, dwell: float) -> Motion:
+def _motion(watched: WatchedContact, slip_ratio: float, dwell: float) -> Motion:
     """The motion of one contact."""
-    period = period_number(run)
-    raw = raw_segments(run, period or 1, slip_ratio, watched)
-    typed = _typed(run, raw, period, dwell, watched, moved)
-    dynamic, single = watched.law.dynamic, machine_of(run.model).is_single
+    period = period_number(watched.run)
+    raw = raw_segments(watched, period or 1, slip_ratio)
+    dynamic = watched.law.dynamic
     return Motion(
-        **typed,
+        **_typed(raw, period, dwell, watched),
         period=period,
         intervals=_intervals(raw, dwell),
         slip_ratio=slip_ratio if dynamic else None,
         dwell=dwell if dynamic else None,
-        _twin=((lambda: _twin_type(run)) if single else lambda: None) if dynamic else None,
+        _twin=(lambda: None) if dynamic else None,
     )
 
 
@@ -288,11 +263,11 @@ def _check(run: Trajectory | FlowRun, slip_ratio: float, dwell: float) -> None:
         raise InputError("motion", problems)
 
 
-def _typed(run: Any, raw: Segments, period: int | None, dwell: float, watched: WatchedContact, moved: _One) -> dict[str, Any]:
-    count, dynamic = period or 1, watched.law.dynamic
-    net, speed = moved.net(count), machine_of(run.model).velocity_scale
+def _typed(raw: Segments, period: int | None, dwell: float, watched: WatchedContact) -> dict[str, Any]:
+    run, count, dynamic = watched.run, period or 1, watched.law.dynamic
+    net, speed = _way(watched, count), machine_of(run.model).velocity_scale
     floor = (float(run.rtol) if dynamic else 1e-12) * speed * run.period_time * count
-    v = moved.column[run.t >= run.pieces.t[-1] - count * run.period_time]
+    v = watched.slip[run.t >= run.pieces.t[-1] - count * run.period_time]
     moving = np.ptp(v) > (0.0 if dynamic else 1e-9 * speed)
     types = type_of(*raw.rows(), [period or 0], [raw.margin_force], [net], dwell, moving=[moving], net_floor=floor)
     return {name.removeprefix("motion_"): column[0].item() for name, column in types.items()}
@@ -368,10 +343,10 @@ def threshold_table(
     if not law_of(run.model).dynamic:
         m = motion(run)
         return [{"slip_ratio": None, "dwell": None, "type": m.type, "pattern": m.pattern}]
-    period, rows = period_number(run), []
+    watched, period, rows = WatchedContact(run), period_number(run), []
     for slip_ratio in slip_ratios:
-        raw = raw_segments(run, period or 1, slip_ratio)
+        raw = raw_segments(watched, period or 1, slip_ratio)
         for dwell in dwells:
-            typed = _typed(run, raw, period, dwell, WatchedContact(run), _One(run))
+            typed = _typed(raw, period, dwell, watched)
             rows.append({"slip_ratio": slip_ratio, "dwell": dwell, "type": typed["type"], "pattern": typed["pattern"]})
     return rows

@@ -178,7 +178,7 @@ def _span(run: Trajectory) -> tuple[float, float]:
 
 
 def gaps(run: Trajectory, at: dict[str, Any]) -> dict[str, Any]:
-    """How high each contact that can fly is above what it rubs on [m], at the instants of ``run.parted.at``."""
+    """How high each contact that can fly is above what it rubs on [m], at the instants of ``run.with_axes.at``."""
     flying = [(i, name) for i, (name, law) in enumerate(zip(run.contacts, machine_of(run.model).laws, strict=True)) if law.flies]
     return {name: at["z"].reshape(len(at["t"]), len(run.contacts), -1)[:, i, 0] for i, name in flying}
 
@@ -186,7 +186,7 @@ def gaps(run: Trajectory, at: dict[str, Any]) -> dict[str, Any]:
 def _height(run: Trajectory, name: str, start: float, end: float) -> float:
     """The largest gap within a stretch [m]: at its samples, and at the top of the parabola through the largest of them."""
     t = np.linspace(start, end, 1025)
-    gap = gaps(run, run.parted.at(t))[name]
+    gap = gaps(run, run.with_axes.at(t))[name]
     k = int(np.clip(np.argmax(gap), 1, len(t) - 2))
     bend, slope = gap[k - 1] - 2 * gap[k] + gap[k + 1], gap[k + 1] - gap[k - 1]
     return float(max(gap[k] - slope**2 / (8 * bend) if bend < 0 else gap[k], gap.max()))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.analysis.run_segments import WatchedContact, WatchedOf, segments_within
+from stickslip.analysis.run_segments import WatchedContact, segments_within, watched_contacts
 from stickslip.basics.arguments import described_as
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
@@ -147,7 +147,7 @@ class Oscillation(Drawn):
 
 def oscillation(run: Trajectory, slip_ratio: float, dwell: float) -> Oscillation:
     """The motion at the end of a run of a machine without a period; `dwell` is a part of its cycle."""
-    run = run.parted
+    run = run.with_axes
     begin, end = float(run.pieces.t[0]), float(run.pieces.t[-1])
     late = np.unique(np.concatenate([run.t[run.t >= 0.5 * (begin + end)], [end]]))
     v = _velocities(run, late)
@@ -166,7 +166,7 @@ def oscillation(run: Trajectory, slip_ratio: float, dwell: float) -> Oscillation
 
 def _velocities(run: Trajectory, t: Array) -> Array:
     """Velocities of the bodies at some instants (time, body)."""
-    return np.asarray(run.at(t)["v"], float).reshape(len(t), -1)
+    return np.asarray(run.at(t)["v"], float)
 
 
 def returns_of(run: Trajectory, t: Array, v: Array, body: int) -> Array:
@@ -210,8 +210,7 @@ def _of_stretch(
     swing = np.ptp(x - drift * (t - begin)[:, None], axis=0) / 2
     layout = run.pieces.layout
     names = [body.name for body in layout.bodies]
-    watched = [WatchedContact(run)] if layout.single else [WatchedOf(run, i) for i in range(len(layout.contacts))]
-    contacts = {part.name: _contact(each, begin, end, slip_ratio, dwell) for part, each in zip(layout.contacts, watched, strict=True)}
+    contacts = {name: _contact(each, begin, end, slip_ratio, dwell) for name, each in watched_contacts(run).items()}
     if not kind:
         kind = "stick-slip" if any(each.stick_fraction > 0 for each in contacts.values()) else "slip"
     m = machine_of(run.model).mechanics

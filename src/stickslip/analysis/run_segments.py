@@ -10,10 +10,9 @@ import numpy as np
 from stickslip.basics.contracts import Array
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.maths import bisected
-from stickslip.models.forces import columns, offered_force, slip_ratio_of
-from stickslip.models.friction.law_adapter import LawAdapter, law_of
+from stickslip.models.forces import columns, held_velocity
+from stickslip.models.friction.law_adapter import LawAdapter
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.mechanics import normal_load
 from stickslip.models.state_layout import of_one_contact
 
 if TYPE_CHECKING:
@@ -38,41 +37,10 @@ class Segments:
 
 
 class WatchedContact:
-    """The only contact of a run, as its segments are told from it."""
+    """One contact of a run, by its number, as its segments are taken from it."""
 
-    def __init__(self, run: Trajectory):
-        self.run, self.modes = run, run._modes
-
-    @property
-    def law(self) -> LawAdapter:
-        """The law of the contact."""
-        return law_of(self.run.model)
-
-    def slip_ratio(self, t: Array, index: Array) -> Array:
-        """Elastic part of the friction over its steady sliding value."""
-        x, v, z = self.run._states_at(t, index)
-        return slip_ratio_of(self.run.model, self.modes[index], t, x, v, z, tuple(self.run.pieces.memory[index].T))
-
-    def offered(self, t: Array) -> Array:
-        """Friction force that would hold the contact [N]."""
-        x = self.run._states_at(t, self.run._index(t))[0]
-        return np.broadcast_to(offered_force(self.run.model, t, x), t.shape)
-
-    def limits(self, t: Array) -> tuple[Array, Array]:
-        """Static friction limits backwards and forwards [N]."""
-        x = self.run._states_at(t, self.run._index(t))[0]
-        low, high = (np.broadcast_to(limit, t.shape) for limit in self.law.breakaway(self._load(t, x)))
-        return low, high
-
-    def _load(self, t: Array, x: Array) -> Array:
-        return normal_load(self.run.model, t, x)
-
-
-class WatchedOf(WatchedContact):
-    """One contact of several, by its number."""
-
-    def __init__(self, run: Trajectory, number: int):
-        self.run, self.number, self.modes = run, number, run._modes[:, number]
+    def __init__(self, run: Trajectory, number: int = 0):
+        self.run, self.number, self.modes = run.with_axes, number, run.pieces.mode[:, number]
         self.mechanics = machine_of(run.model).mechanics
 
     @property
@@ -80,36 +48,53 @@ class WatchedOf(WatchedContact):
         """The law of the contact."""
         return self.mechanics.laws[self.number]
 
+    @property
+    def slip(self) -> Array:
+        """Slip velocity at the instants of the run's columns [m/s]."""
+        return np.asarray(self.run.slip[:, self.number])
+
     def slip_ratio(self, t: Array, index: Array) -> Array:
-        """Elastic part of the friction over its steady sliding value."""
+        """Elastic part of the friction over its steady sliding value: 0 in elastic deflection, 1 in steady sliding."""
         run, i = self.run, self.number
-        column, z = run._forces_at(t, index, *(states := run._states_at(t, index))), states[2][:, i, : self.law.states]
-        side = self.modes[index]
-        slip = side * np.maximum(side * column["slip"][:, i], 1e-9 * float(machine_of(run.model).velocity_scale))
+        states = x, v, z = run._states_at(t, index)
+        if self.law.flies:
+            column = run._forces_at(t, index, *states)
+            slip, load = column["slip"][:, i], column["load"][:, i]
+        else:
+            slip, load = self.mechanics.slips(t, self.mechanics.coordinates_of(tuple(v.T)))[i], self._load(t, x)
         memory = run.pieces.memory[index][:, list(run.pieces.layout.contacts[i].memory)]
-        return 1 - np.asarray(self.law.rate(slip, tuple(z.T), column["load"][:, i], tuple(memory.T))[0]) / slip
+        least = 1e-9 * float(machine_of(run.model).velocity_scale) or 1e-9
+        slip = held_velocity(slip, self.modes[index], least)
+        return 1 - np.asarray(self.law.rate(slip, tuple(z[:, i, : self.law.states].T), load, tuple(memory.T))[0]) / slip
 
     def offered(self, t: Array) -> Array:
         """Friction force that would hold the contact while the others do what they do [N]."""
-        return self._held(t)["friction_force"][:, self.number]
-
-    def _load(self, t: Array, x: Array) -> Array:
-        return self.mechanics.loads(t, self.mechanics.coordinates_of(tuple(x.T)))[self.number]
-
-    def _held(self, t: Array) -> dict[str, Array]:
-        """The forces if this contact rests."""
         run, index = self.run, self.run._index(t)
         x, v, z = run._states_at(t, index)
-        mode = np.array(run._modes[index])
+        mode = np.array(run.pieces.mode[index])
         mode[:, self.number] = 0
-        rates = np.zeros_like(z)
-        memory = tuple(run.pieces.memory[index].T)
-        return columns(run.model, mode, t, x, v, np.moveaxis(z, -1, 0), np.moveaxis(rates, -1, 0), memory)
+        rates, memory = np.zeros_like(z), tuple(run.pieces.memory[index].T)
+        held = columns(run.model, mode, t, x, v, np.moveaxis(z, -1, 0), np.moveaxis(rates, -1, 0), memory)
+        return np.asarray(held["friction_force"][:, self.number])
+
+    def limits(self, t: Array) -> tuple[Array, Array]:
+        """Static friction limits backwards and forwards [N]."""
+        x = self.run._states_at(t, self.run._index(t))[0]
+        low, high = (np.broadcast_to(limit, t.shape) for limit in self.law.breakaway(self._load(t, x)))
+        return low, high
+
+    def _load(self, t: Array, x: Array) -> Any:
+        return self.mechanics.loads(t, self.mechanics.coordinates_of(tuple(x.T)))[self.number]
 
 
-def raw_segments(run: Any, period: int, slip_ratio: float, watched: WatchedContact | None = None) -> Segments:
-    """Segments of the last `period` drive periods of a run: of its only contact, or of the one that is watched."""
-    watched = watched or WatchedContact(run)
+def watched_contacts(run: Trajectory) -> dict[str, WatchedContact]:
+    """The contacts of a run by name."""
+    return {name: WatchedContact(run, i) for i, name in enumerate(run.contacts)}
+
+
+def raw_segments(watched: WatchedContact, period: int, slip_ratio: float) -> Segments:
+    """Segments of a contact over the last `period` drive periods of its run."""
+    run = watched.run
     end = float(run.pieces.t[-1])
     start = max(end - period * run.period_time, float(run.pieces.t[0]))
     edges, code, index = segments_within(watched, start, end, slip_ratio)
@@ -128,7 +113,7 @@ def segments_within(watched: WatchedContact, start: float, end: float, slip_rati
 def shares(run: Trajectory) -> dict[str, float]:
     """Parts of a whole run's time in which the contact slides forwards and backwards, and in which it sticks."""
     run = of_one_contact("shares", run, "they are the parts of one contact's time")
-    lengths, modes = np.diff(run.pieces.t), run._modes
+    lengths, modes = np.diff(run.pieces.t), run.pieces.mode[:, 0]
     return {name: float(lengths[modes == mode].sum() / lengths.sum()) for name, mode in (("forward", 1), ("backward", -1), ("stick", 0))}
 
 

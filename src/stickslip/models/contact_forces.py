@@ -12,7 +12,6 @@ from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.models.friction.law_adapter import TINY
 from stickslip.models.mechanics import Mechanics
 
-_MANY = 16  # contacts, beyond which those that do not act on one another are held one by one
 _CLOSED = 1e-10  # of the velocity scale: tolerance for the gap (times the period) and the gap's rate of a closed stop
 
 
@@ -67,9 +66,14 @@ def contact_columns(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: Ar
             if len(ends) > 1 and any(mechanics.directions[i][c] for c in ends):
                 R[:, i] = np.where(shut, force(_left(mechanics, i, ends, free, prescribed, R)), R[:, i])
     pressed = np.zeros(closed.shape)
-    if np.any(resting) or np.any(closed):
+    places = None if mechanics.stops else _places(mechanics.directions)
+    if places:
+        R = _held_alone(mechanics, resting, free, prescribed, places, R)
+    elif np.any(resting) or np.any(closed):
         _hold(mechanics, np.hstack([resting, closed]), t, q, u, loads, R, pressed, held)
-    moved = _under(mechanics, t, q, u, R, pressed, held)
+    moved = list(_under(mechanics, t, q, u, R, pressed, held))
+    for i, place in enumerate(places or ()):  # exactly, without what rounding leaves of a difference of forces
+        moved[place] = np.where(resting[:, i], 0.0 - prescribed[:, i], moved[place])
     acceleration = _columns(mechanics.accelerations_of_bodies(t, moved), t)
     return {"acceleration": acceleration, "friction_force": R, "slip": slips, "load": loads}
 
@@ -113,11 +117,6 @@ def _hold(mechanics: Mechanics, resting: Array, t: Array, q: Any, u: Any, loads:
     """Set the forces of contacts at rest and of closed stops to those that keep slip velocities and gap rates constant."""
     contacts = len(mechanics.contacts)
     R[resting[:, :contacts]] = 0.0
-    if contacts > _MANY and not mechanics.stops and (places := _places(mechanics.directions)) is not None:
-        free = _columns(mechanics.accelerations(t, q, u, tuple(R.T), held), t)[:, places]
-        needed = (free + _columns(mechanics.offset_rates(t), t)) * np.array(mechanics.masses, float)[places]
-        R[resting] = needed[resting]
-        return
     g = np.array([*mechanics.directions, *(stop.direction for stop in mechanics.stops)])
     masses = np.array([np.broadcast_to(mass, ()) for mass in mechanics.masses], float)
     G = (g / masses) @ g.T
@@ -132,6 +131,12 @@ def _hold(mechanics: Mechanics, resting: Array, t: Array, q: Any, u: Any, loads:
             multipliers = _multipliers(mechanics, G[np.ix_(held, held)], push[np.ix_(at, held)], loads[np.ix_(at, bear)], bear)
             R[np.ix_(at, bear)] = multipliers[:, : len(bear)]
             pressed[np.ix_(at, held[held >= contacts] - contacts)] = multipliers[:, len(bear) :]
+
+
+def _held_alone(mechanics: Mechanics, resting: Array, free: Array, prescribed: Array, places: list[int], R: Array) -> Array:
+    """The same where each contact brakes a coordinate of its own, whose acceleration without friction decides alone."""
+    needed = np.stack([mechanics.masses[place] * (free[:, place] + prescribed[:, i]) for i, place in enumerate(places)], axis=1)
+    return np.where(resting, needed, R)
 
 
 def _places(directions: Any) -> list[int] | None:

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.basics.batch import flat, labels_of
-from stickslip.basics.contracts import Array, Model, Numeric, OneContact
+from stickslip.basics.contracts import Array, Model, Numeric
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.field_types import field_types
 from stickslip.basics.fields import is_array, leaves
 from stickslip.models.contact_forces import contact_columns
 from stickslip.models.friction.law_adapter import TINY, adapted, is_law, law_of
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.mechanics import normal_load
+from stickslip.models.mechanics import normal_load, rest_velocity
 
 if TYPE_CHECKING:
     from stickslip.models.friction.law_adapter import LawAdapter
@@ -125,11 +125,6 @@ def inner_start(model: Model, x: Numeric = 0.0) -> Any:
     return inner
 
 
-def rest_velocity(model: OneContact) -> Any:
-    """Velocity of the body at which the contact does not slip [m/s]: 0, or the speed of the belt."""
-    return 0.0 - model.contact_velocity(0.0)
-
-
 def offered_force(model: Any, t: Any, x: Any) -> Any:
     """The net applied force [N]: the friction force that would hold the body at rest on its contact."""
     return model.total_mass * model.acceleration(t, x, rest_velocity(model) + 0.0 * t, 0.0)
@@ -169,25 +164,15 @@ def slip_ratio_of(model: Any, mode: Any, t: Numeric, x: Numeric, v: Numeric, z: 
     return 1 - law_of(model).rate(slip, tuple(z.T), normal_load(model, t, x), memory)[0] / slip
 
 
-def friction_force(model: Any, mode: Any, t: Numeric, x: Numeric, v: Numeric, z: Any, zdot: Any, memory: Any = ()) -> Any:
-    """Friction force R [N], equal to the net applied force on stuck bodies; z and its rate are one array for each state."""
-    law, load = law_of(model), normal_load(model, t, x)
-    slip = held_velocity(model.contact_velocity(v), np.where(mode == 0, 1, mode))
-    if law.dynamic:
-        applied = model.total_mass * model.acceleration(t, x, v, 0.0) if law.needs_applied else None
-        return law.resolved(law.least_creep(model.velocity_scale), slip, z, zdot, load, memory, applied)
-    return np.where(mode == 0, offered_force(model, t, x), law.sliding(slip, load))
-
-
 def columns(model: Any, mode: Any, t: Array, x: Array, v: Array, z: Any, zdot: Any, memory: Any = ()) -> dict[str, Any]:
-    """Acceleration and forces, with the motion of the inner mass if there is one, by the names in `stickslip.variables`."""
-    if not machine_of(model).is_single:
-        return contact_columns(machine_of(model).mechanics, mode, t, x, v, z, zdot, memory)
-    ones = np.ones_like(t)
-    R = friction_force(model, mode, t, x, v, z, zdot, memory) * ones
-    acceleration = np.where((mode == 0) & (not law_of(model).dynamic), 0.0, model.acceleration(t, x, v, R) * ones)
-    forces = {"acceleration": acceleration, "friction_force": R}
-    return forces | _of_the_drive(model, t, acceleration, ones) if machine_of(model).drive is not None else forces
+    """Accelerations of all bodies, forces of all contacts, and of the drive if there is one, by the names in `stickslip.variables`.
+
+    Positions and velocities are (n, bodies), modes (n, contacts), inner states and their rates a sequence of such arrays (n, contacts);
+    the columns of the drive are (n,).
+    """
+    machine = machine_of(model)
+    forces = contact_columns(machine.mechanics, mode, t, x, v, z, zdot, memory)
+    return forces | _of_the_drive(model, t, forces["acceleration"][:, 0], np.ones_like(t)) if machine.drive is not None else forces
 
 
 def _of_the_drive(model: Any, t: Numeric, acceleration: Numeric, ones: Any) -> dict[str, Any]:

@@ -10,7 +10,9 @@ from functools import reduce
 from operator import add
 from typing import Any, Protocol
 
-from stickslip.basics.contracts import Model, Numeric, OneContact
+import numpy as np
+
+from stickslip.basics.contracts import Array, Model, Numeric, OneContact
 from stickslip.models.controllers import NO_CONTROLLERS, Controllers
 from stickslip.models.friction.law_adapter import LawAdapter, law_of
 
@@ -142,6 +144,25 @@ class Mechanics(Protocol):
         """Rates of the contacts' offsets [m/s^2]."""
         return (0.0,) * len(self.contacts)
 
+    def kinetic(self, v: Array) -> Array:
+        """Kinetic energy of all bodies from their velocities (..., bodies) [J]."""
+
+    def powers(self, t: Array, x: Array, v: Array, z: Array, column: dict[str, Array]) -> dict[str, Array]:
+        """Powers [W] at instants, from positions and velocities (n, bodies), inner states and the columns of forces.
+
+        drive, gravity and actuator (n,); friction (n, contacts); damping (n,) or, of links and stops by `names_of_links`, (n, links);
+        potential (n,) where `potential` does not give the energy itself.
+        """
+
+    def potential(self, t: Array, x: Array) -> Array | None:
+        """Energy of springs at instants, from positions (n, bodies) [J]; None where the integral of their power has to do."""
+        return None
+
+    @property
+    def names_of_links(self) -> list[str]:
+        """The links and elastic stops by the bodies that they join, in the order of their columns."""
+        return []
+
     def difference(self, i: int) -> bool:
         """Whether the slip of a contact is a difference of varying velocities, so that a small slip suffers from cancellation."""
         return False
@@ -178,6 +199,11 @@ class OneBody(Mechanics):
         return (self.model.total_mass,)
 
     @property
+    def velocity_scale(self) -> Any:
+        """A typical velocity of the model [m/s]."""
+        return self.model.velocity_scale
+
+    @property
     def jumps(self) -> tuple[tuple[Any, tuple[Any, ...]], ...]:
         """The model's impulses."""
         return tuple((instant, (jump,)) for instant, jump in getattr(self.model, "impulses", None) or ())
@@ -197,6 +223,35 @@ class OneBody(Mechanics):
     def loads(self, t: Numeric, q: Numbers) -> tuple[Any, ...]:
         """Normal force [N]."""
         return (normal_load(self.model, t, q[0]),)
+
+    def kinetic(self, v: Array) -> Array:
+        """That of all that moves with the contact."""
+        return 0.5 * self.model.total_mass * v[..., 0] ** 2
+
+    def powers(self, t: Array, x: Array, v: Array, z: Array, column: dict[str, Array]) -> dict[str, Array]:
+        """Those of the drive, or those that a mechanism declares; else all forces but friction supply power."""
+        model: Any = self.model
+        x, v, R, none = x[:, 0], v[:, 0], column["friction_force"][:, 0], np.zeros_like(t)
+        friction = (R * model.contact_velocity(v))[:, None]
+        if "drive_force" in column:
+            weight = model.total_mass * model.acceleration(t, x, rest_velocity(model) + 0.0 * t, 0.0) - column["drive_force"]
+            works = {"drive": column["drive_force"] * v, "gravity": weight * v, "damping": none, "actuator": column["actuator_power"]}
+        elif hasattr(model, "drive_power"):
+            supplied, lost = model.drive_power(t, x, v, R), model.damping_power(t, x, v)
+            works = {"drive": supplied + none, "gravity": none, "damping": lost + none, "actuator": none}
+        else:
+            supplied = model.total_mass * model.acceleration(t, x, v, 0.0) * v
+            works = {"drive": supplied + none, "gravity": none, "damping": none, "actuator": none}
+        return {**works, "friction": friction}
+
+    def potential(self, t: Array, x: Array) -> Array:
+        """That of the spring of a mechanism."""
+        return (self.model.potential(t, x[:, 0]) if hasattr(self.model, "potential") else 0.0) + np.zeros_like(t)
+
+
+def rest_velocity(model: OneContact) -> Any:
+    """Velocity of the body at which the contact does not slip [m/s]: 0, or the speed of the belt."""
+    return 0.0 - model.contact_velocity(0.0)
 
 
 def normal_load(model: Any, t: Any, x: Any) -> Any:

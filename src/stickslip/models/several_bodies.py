@@ -7,12 +7,15 @@ from functools import cached_property, reduce
 from operator import add, attrgetter
 from typing import Any
 
-from stickslip.basics.contracts import Numeric
+import numpy as np
+
+from stickslip.basics.contracts import Array, Numeric
 from stickslip.basics.fields import Frozen
 from stickslip.basics.maths import maximum, minimum, pi, sqrt
 from stickslip.models.controllers import Controllers
 from stickslip.models.friction.law_adapter import LawAdapter, adapted
 from stickslip.models.mechanics import Mechanics, Numbers, signed_less
+from stickslip.models.powers import names_of_links, powers
 
 GRAVITY = 9.81  # of a machine that does not say its own [m/s^2]
 _LOOKS = 8  # instants of a period at which applied forces are looked at for their size
@@ -251,6 +254,19 @@ class SeveralBodies(Mechanics):
     def velocities(self, t: Numeric, u: Numbers) -> tuple[Any, ...]:
         """Velocity of each body [m/s]."""
         return tuple(_plus(u[self.coordinate[name]], arm) for name, arm in zip(self.bodies, self._arms("velocity", t), strict=True))
+
+    def kinetic(self, v: Array) -> Array:
+        """Kinetic energy of all bodies from their velocities (..., bodies) [J]."""
+        return np.asarray(0.5 * v**2 @ np.array([float(body.mass) for body in self.parts.values()]))
+
+    def powers(self, t: Array, x: Array, v: Array, z: Array, column: dict[str, Array]) -> dict[str, Array]:
+        """Those of its bodies, links, stops and contacts."""
+        return powers(self, t, x, v, z, column)
+
+    @property
+    def names_of_links(self) -> list[str]:
+        """The links and elastic stops by the bodies that they join."""
+        return names_of_links(self)
 
     def difference(self, i: int) -> bool:
         """Where it rubs on a body or a motion, or its body moves otherwise than its coordinate."""

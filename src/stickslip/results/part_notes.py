@@ -28,12 +28,12 @@ _MOVED_APART = (
 def shared_at_rest(run: Trajectory) -> str:
     """A sentence on contacts that rest at once and whose friction forces do not follow from the equations; or ""."""
     machine = machine_of(run.model)
-    if machine.is_single or not len(run.parted.pieces.mode):
+    if not len(run.pieces.mode):
         return ""
     exact = np.array([not law.dynamic for law in machine.laws], bool)
     if _independent([row for row, rests in zip(machine.mechanics.directions, exact, strict=True) if rests]):
         return ""
-    rests = (run.parted.pieces.mode == 0) & exact
+    rests = (run.pieces.mode == 0) & exact
     for pattern in np.unique(rests, axis=0):
         several = _undetermined(np.array(machine.mechanics.directions), np.flatnonzero(pattern))
         if several:
@@ -43,7 +43,7 @@ def shared_at_rest(run: Trajectory) -> str:
 
 def notes_of_cases(model: Model, columns: Mapping[str, Any]) -> dict[str, int]:
     """Sentences on cases of a batch, each with how many it is about."""
-    if machine_of(model).is_single or "status" not in columns:
+    if "status" not in columns:
         return {}
     good = np.ravel(np.asarray(columns["status"]) <= Status.REPEATS)
     counts = {_MOVED_APART: int(np.sum(good & _moved_apart(model, columns)))}

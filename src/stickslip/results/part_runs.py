@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.basics.variables import VARIABLES
 
 
 def _own(name: str, about: str) -> property:
     """The values of this part among those of all parts."""
-    return property(lambda part: part.run._part(getattr(part.run, name), part.number), doc=about)
+    return property(lambda part: getattr(part.run, name)[:, part.number], doc=about)
 
 
 def _column(name: str) -> property:
@@ -22,7 +21,7 @@ def _column(name: str) -> property:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class _PartRun:
-    """One part of a run."""
+    """One part of a run whose columns have axes for all parts."""
 
     run: Any
     number: int
@@ -91,13 +90,13 @@ class ContactRun(_PartRun):
         """Inner states at the strobe times."""
         return self._inner(self.run.strobe_z)
 
-    def _inner(self, z: Numeric) -> Any:
+    def _inner(self, z: Any) -> Any:
         """Its own inner states, without those that only other laws have."""
         count = len(self._states.inner)
         if z is None or not count:
             return None
-        own = self.run._part(z, self.number)
-        return own if own.ndim == 1 else own[:, 0] if count == 1 else own[:, :count]
+        own = z[:, self.number, :count]
+        return own[:, 0] if count == 1 else own
 
     @property
     def events(self) -> list[Any]:

@@ -12,7 +12,6 @@ from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.mechanics import normal_load
 from stickslip.models.position_dependence import knows_position
-from stickslip.models.state_layout import of_one_contact
 from stickslip.results import recurrence
 from stickslip.results.part_notes import APART
 
@@ -218,12 +217,10 @@ def window_count(done: int, settle: int, period: int) -> int:
 
 def steadiness_of_run(run: Trajectory) -> Steadiness:
     """The steadiness of a trajectory."""
-    if machine_of(run.model).is_single:
-        run = of_one_contact("run.steadiness", run, "it is judged by one mean velocity")
+    run = run.with_axes
     if run.model.period is None:
         first, last = run.window
-        x = run.at(np.array([first, last]))["x"]
-        x = x if machine_of(run.model).is_single else way_of_machine(run.model, x)
+        x = way_of_machine(run.model, run.at(np.array([first, last]))["x"])
         return Steadiness(UNKNOWN, 0, float((x[1] - x[0]) / (last - first)), float("nan"))
     t, T = run.strobe_times, run.period_time
     x, strobe, scales = _strobe_of(run)
@@ -241,20 +238,13 @@ def steadiness_of_run(run: Trajectory) -> Steadiness:
 def _strobe_of(run: Trajectory) -> tuple[Any, Any, Any]:
     """Way of the body, or of the centre of mass; strobe points (periods + 1, 1 + what must repeat) that begin with it; their scales."""
     model, z = run.model, run._strobe_inner
-    if machine_of(model).is_single:
-        strobe = np.column_stack([run.strobe_x, run.strobe_v, *([] if z is None else [z])])
-        return run.strobe_x, *_with_position(model, strobe)
     mechanics, speed = machine_of(model).mechanics, float(machine_of(model).free_velocity)
     x, v = run.strobe_x, run.strobe_v
     way = way_of_machine(model, x)
     apart = [x[:, 1:] - x[:, :1]] + ([way[:, None]] if _place_matters(mechanics, x) else [])
-    inner = np.empty((len(x), 0)) if z is None else z.reshape(len(x), -1)
+    inner = z.reshape(len(x), -1)
     there = ~np.isnan(inner[0])
-    sizes = [
-        _sizes(law, load, z.shape[2])
-        for law, load in zip(mechanics.laws, mechanics.loads(0.0, mechanics.start), strict=True)
-        if z is not None
-    ]
+    sizes = [_sizes(law, load, z.shape[2]) for law, load in zip(mechanics.laws, mechanics.loads(0.0, mechanics.start), strict=True)]
     parts = mechanics.controllers
     for part in parts.parts.values():
         own = [float(size) for size in part.scales]
@@ -269,7 +259,7 @@ def _strobe_of(run: Trajectory) -> tuple[Any, Any, Any]:
 
 def drifting_apart(run: Trajectory) -> str:
     """A sentence on bodies that drift apart, whose distance grew as much in the last quarter of a run as in the one before; or ""."""
-    if machine_of(run.model).is_single or run.model.period is None or len(run.bodies) < 2:
+    if run.model.period is None or len(run.bodies) < 2:
         return ""
     x, names = run.strobe_x, list(run.bodies)
     quarter = (len(x) - 1) // 4

@@ -51,6 +51,9 @@ def _as_column(z: Array) -> Any:
     return None if z.shape[-1] == 0 else z[:, 0] if z.shape[1:] == (1,) else z
 
 
+_SEVERAL = ("slip", "load")  # columns that files have only where there are several contacts
+
+
 def _at_distances(mechanics: Any, t: Any, x: Any, v: Any) -> tuple[Any, Any]:
     """Positions and velocities of bodies at prescribed distances, whose columns hold those of the coordinates they move with."""
     first = {mechanics.coordinate_of(name): i for i, name in reversed(list(enumerate(mechanics.bodies)))}
@@ -242,15 +245,14 @@ class Trajectory(Drawn, RunFiles):
     def _hits(self) -> list[tuple[int, Event]]:
         """Hits on stops, each with the number of its node."""
         machine = machine_of(self.model)
-        if machine.is_single or not machine.mechanics.stops:
+        if not machine.mechanics.stops:
             return []
         return hits_of(self.pieces, machine.mechanics, float(machine.velocity_scale), float(machine.time_scale or 1.0))
 
     @cached_property
     def _aloft(self) -> Any:
         """On which pieces contacts fly: array (pieces, contacts)."""
-        machine = machine_of(self.model)
-        return aloft_of(self.pieces, () if machine.is_single else machine.laws)
+        return aloft_of(self.pieces, machine_of(self.model).laws)
 
     @cached_property
     def _flights(self) -> list[tuple[int, Event]]:
@@ -263,7 +265,7 @@ class Trajectory(Drawn, RunFiles):
         names = list(self.contacts)
         if not self.lost_contact or len(names) == 1:
             return names if self.lost_contact else []
-        last, most = self.parted.load[-1], abs(self.parted.load).max(axis=0)
+        last, most = self.with_axes.load[-1], abs(self.with_axes.load).max(axis=0)
         return [name for name, load, largest in zip(names, last, most, strict=True) if load <= 1e-9 * largest]
 
     @cached_property
@@ -297,55 +299,49 @@ class Trajectory(Drawn, RunFiles):
 
     # ---- bodies and contacts ----
     @cached_property
-    def parted(self) -> Trajectory:
-        """The same run with axes for all bodies and contacts, where its columns are those of a principal body; else itself."""
-        layout = self.pieces.layout
-        return self if layout.principal is None else replace(self, pieces=replace(self.pieces, layout=replace(layout, principal=None)))
+    def with_axes(self) -> Trajectory:
+        """The same run, whose columns have axes for bodies and contacts even where it has one of each, or a principal body.
 
-    def _flat(self, column: Array) -> Any:
-        """A column without its axis of bodies or contacts, where the machine has one of each by its kind."""
-        return column[:, 0] if self.pieces.layout.single else column
+        Examples
+        --------
+        >>> import stickslip as ss
+        >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), periods=2)
+        >>> run.v.shape, run.with_axes.v.shape
+        ((829,), (829, 1))
+        """
+        layout = self.pieces.layout
+        return self if not layout.own else replace(self, pieces=replace(self.pieces, layout=replace(layout, single=False, principal=None)))
 
     def _own(self, name: str, column: Any) -> Any:
-        """A column of the run with axes for all parts, as this run has it: that of its principal body, or of that body's contact."""
-        layout = self.pieces.layout
-        dim = next((dim for dim in VARIABLES[name].dims if dim in layout.own), None)
-        if layout.principal is None or dim is None or column is None:
-            return column
-        own = column[:, layout.own[dim]]
-        return own if name != "z" else _as_column(own.reshape(len(own), -1)[:, : len(layout.contacts[layout.own[dim]].inner)])
-
-    def _part(self, column: Array, number: int) -> Any:
-        """The column of one body or contact."""
-        return column if self.pieces.layout.single else column[:, number]
+        """A column with axes for all parts, as this run has it: without those of length one, and of its principal body or contact alone."""
+        number = next((self.pieces.layout.own[dim] for dim in VARIABLES[name].dims if dim in self.pieces.layout.own), None)
+        if name == "z":
+            layout = self.pieces.layout
+            return _as_column(column if number is None else column[:, number, : len(layout.contacts[number].inner)])
+        return column if number is None or column is None else column[:, number]
 
     def _states_at(self, t: ArrayLike, index: Any) -> tuple[Any, Any, Any]:
-        """x, v and z at times on given pieces, with the axes of the columns; z always has one for its states."""
+        """x and v (time, body) and z (time, contact or controller, state) at times on given pieces."""
         x, v, z = self.pieces.evaluate(t, index)
         bodies = self.pieces.layout.bodies
         if len({body.velocity for body in bodies}) < len(bodies):
             x, v = _at_distances(machine_of(self.model).mechanics, t, x, v)
-        return self._flat(x), self._flat(v), self._flat(z)
-
-    @property
-    def _modes(self) -> Any:
-        """The mode on each piece, with the axes of the columns."""
-        return self._own("mode", self._flat(self.pieces.mode))
+        return x, v, z
 
     @property
     def bodies(self) -> dict[str, BodyRun]:
         """The columns of each body by its name."""
-        return {body.name: BodyRun(self.parted, i) for i, body in enumerate(self.pieces.layout.bodies)}
+        return {body.name: BodyRun(self.with_axes, i) for i, body in enumerate(self.pieces.layout.bodies)}
 
     @property
     def contacts(self) -> dict[str, ContactRun]:
         """The columns of each contact by its name."""
-        return {contact.name: ContactRun(self.parted, i) for i, contact in enumerate(self.pieces.layout.contacts)}
+        return {contact.name: ContactRun(self.with_axes, i) for i, contact in enumerate(self.pieces.layout.contacts)}
 
     @property
     def controllers(self) -> dict[str, ControllerRun]:
         """The columns of each controller by its name; none of a machine without."""
-        return {part.name: ControllerRun(self.parted, i) for i, part in enumerate(self.pieces.layout.controllers)}
+        return {part.name: ControllerRun(self.with_axes, i) for i, part in enumerate(self.pieces.layout.controllers)}
 
     # ---- columns ----
     @property
@@ -355,7 +351,7 @@ class Trajectory(Drawn, RunFiles):
 
     @cached_property
     def _states(self) -> tuple[Any, Any, Any]:
-        """x, v and z of all bodies and contacts, or of the only ones."""
+        """x, v and z of all bodies and contacts, as `_states_at` gives them."""
         return self._states_at(*self._instants)
 
     @property
@@ -376,7 +372,7 @@ class Trajectory(Drawn, RunFiles):
     @property
     def z(self) -> NDArray[np.float64] | None:
         """Inner state of the law: (time,) if it has one, (time, state) if more, None if it has none; (time, contact, state) of several."""
-        return self._own("z", _as_column(self._of_laws(self._states[2])))
+        return self._own("z", self._of_laws(self._states[2]))
 
     def _of_laws(self, z: Array) -> Any:
         """The inner states of the laws among those of laws and controllers."""
@@ -388,19 +384,22 @@ class Trajectory(Drawn, RunFiles):
     @cached_property
     def mode(self) -> NDArray[np.int8]:
         """+1 forwards, 0 stuck, -1 backwards (dynamic laws: the sign of v at the contact); (time, contact) of several."""
-        return self._modes[self._instants[1]]
+        return self._own("mode", self.pieces.mode[self._instants[1]])
 
     @cached_property
     def _forces(self) -> dict[str, Any]:
-        if self.parted is not self:
-            return {name: self._own(name, column) for name, column in self.parted._forces.items()}
-        return self._forces_at(*self._instants, *self._states)
+        return self._at_door(self._forces_at(*self._instants, *self._states))
+
+    def _at_door(self, columns: dict[str, Any]) -> dict[str, Any]:
+        """Columns with axes for all parts as this run has them; slip and load are told of machines that may have several contacts."""
+        hidden = _SEVERAL if self.pieces.layout.single else ()
+        return {name: self._own(name, column) for name, column in columns.items() if name not in hidden}
 
     def _forces_at(self, t: Array, index: Any, x: Array, v: Array, z: Array) -> dict[str, Any]:
-        """Every force, with the axes of the columns; z and its rates are given as one such column for each state."""
-        z, rates = (np.moveaxis(of, -1, 0) for of in (z, self._flat(inner_rates(self.pieces, t, index))))
+        """Every force of all bodies and contacts, from states as `_states_at` gives them."""
+        z, rates = (np.moveaxis(of, -1, 0) for of in (z, inner_rates(self.pieces, t, index)))
         memory = tuple(self.pieces.memory[index].T)
-        return forces.columns(self.model, self._modes[index], self._within(t, index), x, v, z, rates, memory)
+        return forces.columns(self.model, self.pieces.mode[index], self._within(t, index), x, v, z, rates, memory)
 
     def _within(self, t: ArrayLike, index: Any) -> Any:
         """Times moved off the ends of their pieces where the drive may jump there, so that it answers for the right piece."""
@@ -435,10 +434,6 @@ class Trajectory(Drawn, RunFiles):
             t, x, v, z, mode and all forces, each of the shape of `t` (z with a last axis if it has several states); for a machine of
             several bodies and contacts their axis follows.
         """
-        if self.parted is not self:
-            every = {name: None if of is None else np.reshape(of, (-1, *of.shape[np.ndim(t) :])) for name, of in self.parted.at(t).items()}
-            columns = {name: self._own(name, column) for name, column in every.items()}
-            return {name: None if of is None else of.reshape(np.shape(t) + of.shape[1:])[()] for name, of in columns.items()}
         shape, t = np.shape(t), np.atleast_1d(np.asarray(t, float)).ravel()
         first, last = float(self.pieces.t[0]), float(self.pieces.t[-1])
         slack = 1e-12 * (last - first)
@@ -448,8 +443,8 @@ class Trajectory(Drawn, RunFiles):
         t = np.clip(t, first, last)
         index = self._index(t)
         x, v, z = self._states_at(t, index)
-        columns = {"t": t, "x": x, "v": v, "mode": self._modes[index], **self._forces_at(t, index, x, v, z)}
-        columns["z"] = _as_column(self._of_laws(z))
+        every = {"x": x, "v": v, "mode": self.pieces.mode[index], **self._forces_at(t, index, x, v, z), "z": self._of_laws(z)}
+        columns = {"t": t, **self._at_door(every)}
         return {name: None if column is None else column.reshape(shape + column.shape[1:])[()] for name, column in columns.items()}
 
     # ---- strobe ----
@@ -510,12 +505,12 @@ class Trajectory(Drawn, RunFiles):
     @property
     def strobe_z(self) -> NDArray[np.float64] | None:
         """Inner state at the strobe times, shaped like `z`."""
-        return self._own("z", _as_column(self._of_laws(self._strobe[2])))
+        return self._own("z", self._of_laws(self._strobe[2]))
 
     @property
     def _strobe_inner(self) -> Any:
-        """The same with the states of controllers behind those of the contacts."""
-        return _as_column(self._strobe[2])
+        """Inner states of laws and controllers at the strobe times (time, contact or controller, state)."""
+        return self._strobe[2]
 
     @property
     def strobe_memory(self) -> NDArray[np.float64] | None:
@@ -526,12 +521,12 @@ class Trajectory(Drawn, RunFiles):
     @cached_property
     def steadiness(self) -> Steadiness:
         """Whether its mean velocity is that of a steady motion, and how far from it that is."""
-        return steadiness_of_run(self) if self.parted is self else self.parted.steadiness
+        return steadiness_of_run(self)
 
     @property
     def notes(self) -> list[str]:
         """Remarks on the machine's numbers, an early end, motion not settled, bodies that drift apart, and friction not determined."""
-        remarks = (self._early_end, *machine_of(self.model).notes, self._settled, drifting_apart(self.parted), shared_at_rest(self))
+        remarks = (self._early_end, *machine_of(self.model).notes, self._settled, drifting_apart(self.with_axes), shared_at_rest(self))
         return [note for note in remarks if note]
 
     @property
@@ -543,7 +538,7 @@ class Trajectory(Drawn, RunFiles):
         if self.interrupted:
             return ""
         layout = self.pieces.layout
-        if machine_of(self.model).is_single and not layout.is_one:
+        if len(layout.bodies) != len(machine_of(self.model).mechanics.bodies):
             return f"whether a motion of {layout.description} has settled is not judged"
         return self.steadiness.note
 

@@ -45,7 +45,7 @@ COEFFICIENTS = {"mu_plus": 0.2, "mu_minus": 0.2, "f_plus": 0.3, "f_minus": 0.3}
 
 def _ways(friction, **how):
     pair = Pair(friction)
-    return ss.solve(pair, periods=2, **how).parted.at(np.linspace(0.1, 2, 9) * pair.period * (1 - 1e-9))["x"]
+    return ss.solve(pair, periods=2, **how).with_axes.at(np.linspace(0.1, 2, 9) * pair.period * (1 - 1e-9))["x"]
 
 
 @pytest.mark.slow

@@ -67,7 +67,7 @@ def sequence_of(orbit: PeriodicOrbit) -> tuple[Sequence, Array]:
     if law_of(orbit.model).dynamic or knows_position(orbit.model):
         raise InputError("sequence_of", ["an orbit as a sequence of arcs needs a set-valued law, and equations in which x does not appear"])
     T = float(orbit.model.period)
-    t, mode = np.asarray(orbit.run.pieces.t), orbit.run._modes
+    t, mode = np.asarray(orbit.run.pieces.t), np.asarray(orbit.run.pieces.mode)[:, 0]
     where = np.flatnonzero(np.diff(mode)) + 1
     times, modes = list(t[where] / T), [int(m) for m in mode[where]]
     if mode[-1] != mode[0]:  # a switch on the strobe itself

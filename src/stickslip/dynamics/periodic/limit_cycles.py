@@ -102,7 +102,7 @@ class LimitCycle(ClosedMotion):
     @cached_property
     def mean_velocity(self) -> float:
         """Mean velocity [m/s]: 0 on a belt, the speed of the pull; of several bodies that of their centre of mass."""
-        x = self.run.parted.at(np.array([0.0, self.duration]))["x"]
+        x = self.run.with_axes.at(np.array([0.0, self.duration]))["x"]
         first, last = x if np.ndim(x) == 1 else way_of_machine(self.model, x)
         return float((last - first) / self.duration)
 
@@ -244,7 +244,7 @@ def _last_turn(run: Trajectory, period: int) -> tuple[Array, float, Section]:
     section, column, value, direction = section_of(run)
     t = returns(run, column, value, direction)
     speed = coordinates(run.model).speed
-    steady = len(t) < 2 or float(np.max(np.ptp(run.parted.at(np.linspace(t[-2], t[-1], 64))["v"], axis=0))) <= _STEADY * speed
+    steady = len(t) < 2 or float(np.max(np.ptp(run.with_axes.at(np.linspace(t[-2], t[-1], 64))["v"], axis=0))) <= _STEADY * speed
     if steady or len(t) < period + 2:
         end = "it rests, or slides on steadily" if steady else f"only {len(t)} oscillations were found"
         raise SolveError(

@@ -93,7 +93,7 @@ def _of_the_widest_swing(model: Model, at: Coordinates, longest: Any) -> ReturnS
     run = solve(one, duration=float(np.max(longest)), keep="trajectory")
     late = run.t >= 0.5 * run.t[-1]
     m = machine_of(one).mechanics
-    u = np.array(m.coordinates_of(tuple(np.moveaxis(np.asarray(run.parted.v)[late], -1, 0))))
+    u = np.array(m.coordinates_of(tuple(np.moveaxis(np.asarray(run.with_axes.v)[late], -1, 0))))
     widest = int(np.argmax(np.ptp(u, axis=1)))
     index = at.order.velocities.start + widest
     return ReturnSection(at.names[index], index, float(0.5 * (u[widest].min() + u[widest].max())), -1.0, longest)

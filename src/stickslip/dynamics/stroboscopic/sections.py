@@ -135,7 +135,7 @@ def read(run: Trajectory, column: str, t: Array) -> Array:
     kind, _, part = column.partition(".")
     if not part:
         return run.at(t)[column]
-    values = run.parted.at(t)[kind]
+    values = run.with_axes.at(t)[kind]
     if kind == "z":
         part, _, state = part.rpartition(".")
         values = values[..., int(state)]

@@ -470,7 +470,7 @@ def flight(model: Any, state: Array, periods: int = 1, rtol: float = 1e-12) -> A
 
 def strobe_states(run: Any) -> Array:
     """The strobe states of a run, one row for each drive period and one for its end."""
-    run = run.parted
+    run = run.with_axes
     x, v, z, memory = run.strobe_x, run.strobe_v, run._strobe_inner, run.strobe_memory
     return np.column_stack([*coordinates_in(run.model, x, v, z), *([] if memory is None else [memory])])
 
@@ -480,7 +480,7 @@ def state_at(run: Any, t: float) -> Array:
     if is_flow(run.model):
         states = run.at(t)
         return np.array([states[name] for name in run.names])
-    run, times = run.parted, np.array([t])
+    run, times = run.with_axes, np.array([t])
     return np.column_stack(coordinates_in(run.model, *run._states_at(times, run._index(times))))[0]
 
 
@@ -494,7 +494,7 @@ def coordinates_in(model: Model, x: Any, v: Any, z: Any) -> list[Array]:
 
 def position_of(run: Trajectory) -> Array:
     """Position of the body, of the principal body, or of the centre of mass of several, at the strobe times [m]."""
-    return run.strobe_x if machine_of(run.model).is_single else way_of_machine(run.model, run.parted.strobe_x)
+    return way_of_machine(run.model, run.with_axes.strobe_x)
 
 
 def with_rests(model: Model, state: Array, periods: int, rtol: float) -> Array:

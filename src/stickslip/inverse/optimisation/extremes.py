@@ -190,10 +190,8 @@ class Looked:
 
     def _columns(self, t: Array) -> Array:
         """States as lanes have them, at some times."""
-        run, single = self.run.parted.at(t), machine_of(self.model).is_single
-        x, v, z = (None if run[name] is None else np.reshape(run[name], (len(t), -1) if single else run[name].shape) for name in "xvz")
-        states: list[Any] = [*([x] if "x" in self.at.names else []), v, *([] if z is None else [z])]
-        states = states if single else coordinates_in(self.model, x, v, z)
+        run = self.run.with_axes
+        states = coordinates_in(self.model, *run._states_at(t, run._index(t)))
         q, u, inner = self.at.order.parted(list(np.column_stack(states)[:, : self.at.smooth].T), np.zeros(len(t)))
         return self._whole.table.placed(np.column_stack([*q, *u, *inner]), np.zeros(len(t), int))[:, 1:]
 

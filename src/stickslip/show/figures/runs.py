@@ -39,7 +39,7 @@ def _runs(run: Any, several: bool = False) -> list[Any]:
         raise InputError("plot", [f"run = {run!r}; allowed is a Trajectory or a list of them; type ss.plot.velocity(ss.solve(robot))"])
     if len({r.model.period is None for r in runs}) > 1:
         raise InputError("plot", ["some runs have a drive period and some have none; draw them apart, each with ax= of its own"])
-    return [r.parted if several and _parts(r, "body") else of_one_contact("plot", r, "one curve is drawn for each run") for r in runs]
+    return [r.with_axes if several and _parts(r, "body") else of_one_contact("plot", r, "one curve is drawn for each run") for r in runs]
 
 
 def only_run(run: Trajectory) -> Any:
@@ -50,7 +50,7 @@ def only_run(run: Trajectory) -> Any:
 
 def _parts(run: Trajectory, dim: str) -> list[str]:
     """Names of the bodies or contacts of a machine with several; empty for a robot or a bench."""
-    return [] if machine_of(run.model).is_single else names_of_parts(run.parted)[dim]
+    return [] if machine_of(run.model).is_single else names_of_parts(run.with_axes)[dim]
 
 
 def _by_part(runs: list[Any], names: list[str], dim: str) -> list[tuple[str, int, Any]]:

@@ -204,7 +204,7 @@ def _losses(run: Trajectory, which: str) -> dict[str, str]:
 def _links(run: Trajectory) -> Table:
     """Losses of links and stops, and the number of hits on stops."""
     from stickslip.analysis.contact_modes import hits
-    from stickslip.analysis.works import label_of_stop
+    from stickslip.models.powers import label_of_stop
     from stickslip.show.reports.moving import shown_span
 
     mechanics = machine_of(run.model).mechanics

@@ -40,7 +40,7 @@ def moments(run: Trajectory, span: tuple[float, float] | None = None) -> dict[st
 
     start, end = shown_span(run) if span is None else span
     factor, unit = (1e3, "ms") if run.model.period is not None else (1.0, "s")
-    at = run.parted.at(np.linspace(start, end, _MOMENTS))
+    at = run.with_axes.at(np.linspace(start, end, _MOMENTS))
     lifts = _lifts(run, at)
     return {
         "t": _plain(factor * (at["t"] - start)),

@@ -182,4 +182,4 @@ def _rest(cycle: LimitCycle, turn: int = 0) -> float:
 
     run = cycle.run if turn == 0 else solve(cycle.model, duration=(turn + 1) * cycle.duration, start=cycle.start, keep="trajectory")
     t = np.asarray(run.pieces.t)
-    return float(np.diff(t)[(run._modes == 0) & (t[:-1] >= turn * cycle.duration)].sum())
+    return float(np.diff(t)[(run.pieces.mode[:, 0] == 0) & (t[:-1] >= turn * cycle.duration)].sum())

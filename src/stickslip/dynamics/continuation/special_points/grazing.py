@@ -34,7 +34,7 @@ def _missed_by(orbit: Any) -> dict[str, tuple[float, float]]:
     """By how much a motion misses each stop, or guard of a flow, where it turns away from it; and the size against which that is small."""
     run, misses = orbit.run, dict[str, tuple[float, float]]()
     span = float(run.model.period or orbit.duration)
-    for touch in touches(run if is_flow(run.model) else run.parted, span, lambda what: what[0] in _TOUCHED):
+    for touch in touches(run if is_flow(run.model) else run.with_axes, span, lambda what: what[0] in _TOUCHED):
         least = touch.extremum()[1]
         if touch.name not in misses or abs(least) < abs(misses[touch.name][0]):
             misses[touch.name] = least, touch.size
@@ -75,7 +75,7 @@ def _least_at(path: Path, last: Point, value: float) -> dict[str, float]:
 
 
 def _slow_hit(orbit: PeriodicOrbit) -> str:
-    machine, run = machine_of(orbit.model), orbit.run.parted
+    machine, run = machine_of(orbit.model), orbit.run.with_axes
     speed = float(machine.velocity_scale)
     slow = [event.part for event in run.events if event.kind == "hit" and abs(event.velocity) < _SLOW * speed]
     return next((f"the stop {name}" for name, _ in machine.mechanics.named_stops if name in slow), "") if slow else ""

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from stickslip.analysis.contact_modes import watched_contacts
+from stickslip.analysis.run_segments import watched_contacts
 from stickslip.basics.contracts import Array
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.switching_flow import is_flow
@@ -107,13 +107,13 @@ def _of_machine(run: Trajectory) -> Iterator[_Course]:
     machine = machine_of(run.model)
     first, last = float(run.pieces.t[0]), float(run.pieces.t[-1])
     for i, (name, watched) in enumerate(watched_contacts(run).items()):
-        slip = partial(_slip, run.parted, machine.mechanics, i)
+        slip = partial(_slip, run.with_axes, machine.mechanics, i)
         if watched.law.dynamic:
             for end in ("lowest", "highest"):
                 yield _Course((BOTH_SIDES, name, end), slip, first, last, partial(float, machine.velocity_scale))
         else:
             yield from _of_contact(name, watched, slip, first, last)
-    yield from _of_stops(run.parted, machine.mechanics)
+    yield from _of_stops(run.with_axes, machine.mechanics)
 
 
 def _slip(run: Trajectory, mechanics: Mechanics, number: int, t: Array) -> Array:

@@ -11,12 +11,6 @@ from stickslip.models.contact_forces import held_by_controllers
 
 if TYPE_CHECKING:
     from stickslip.models.mechanics import Mechanics
-    from stickslip.results.trajectory import Trajectory
-
-
-def kinetic(mechanics: Any, v: Array) -> Array:
-    """Kinetic energy of all bodies from their velocities (..., bodies) [J]."""
-    return 0.5 * v**2 @ np.array([float(body.mass) for body in mechanics.parts.values()])
 
 
 def powers(mechanics: Any, t: Array, x: Array, v: Array, z: Array, column: dict[str, Array]) -> dict[str, Array]:
@@ -27,7 +21,7 @@ def powers(mechanics: Any, t: Array, x: Array, v: Array, z: Array, column: dict[
     dict
         drive: of forces, controllers, what moves the ground and what prescribes distances; gravity: of what bodies say is gravity;
         friction: R w of each contact (n, contacts); potential: into links and elastic stops, under the force that they have at rest;
-        damping: what else each of them takes, (n, links).
+        damping: what else each of them takes, (n, links); actuator: zero, since what drives inner masses is among the applied forces.
     """
     none = np.zeros_like(t)
     R, slip = column["friction_force"], column["slip"]
@@ -44,7 +38,7 @@ def powers(mechanics: Any, t: Array, x: Array, v: Array, z: Array, column: dict[
     prescribed = none if net is None else _of_distances(mechanics, t, column["acceleration"], net)
     drive = (applied * v).sum(axis=1) - weight + _of_the_ground(mechanics, v, R, slip) + prescribed
     damping = np.array(damped).reshape(-1, len(t)).T
-    return {"drive": drive, "gravity": weight + none, "friction": R * slip, "potential": stored, "damping": damping}
+    return {"drive": drive, "gravity": weight + none, "friction": R * slip, "potential": stored, "damping": damping, "actuator": none}
 
 
 def names_of_links(mechanics: Mechanics) -> list[str]:
@@ -91,36 +85,3 @@ def _of_the_ground(mechanics: Any, v: Array, R: Array, slip: Array) -> Array:
         other = moving[contact.on] if isinstance(contact.on, str) else 0.0
         total = total + R[:, i] * (slip[:, i] - (moving[contact.body] - other))
     return total
-
-
-def lost_at_hits(run: Trajectory, mechanics: Mechanics) -> list[tuple[float, float, str]]:
-    """Instants at which stops throw bodies back, the kinetic energy that is lost there [J], and the stops' names."""
-    if not mechanics.stops or len(run.pieces.mode) < 2:
-        return []
-    nodes, later = run.pieces.t[1:-1], np.arange(1, len(run.pieces.mode))
-    before, after = (run._states_at(nodes, index)[1] for index in (later - 1, later))
-    thrown = np.any(before != after, axis=1) & ~np.isin(nodes, [t for t, _ in run._impulses])
-    thrown[[node - 1 for node, _ in run._flights]] = False
-    lost = kinetic(mechanics, before) - kinetic(mechanics, after)
-    struck: dict[int, list[str]] = {}
-    for node, event in run._hits:
-        struck.setdefault(node, []).append(label_of_stop(mechanics, event.part))
-    other = [label_of_stop(mechanics, mechanics.stops[0].name)]  # a rate of the gap too small for an event
-    return [(float(nodes[i]), float(lost[i]), " and ".join(struck.get(int(later[i]), other))) for i in np.flatnonzero(thrown)]
-
-
-def at_landings(run: Any, mechanics: Any) -> list[tuple[float, float, float, str]]:
-    """Instants at which contacts land, what friction takes there and what the ground gives [J], and the contacts' names.
-
-    An impulse along the track works with the mean of the velocities before and after it.
-    """
-    landings = []
-    for node, event in run._flights:
-        i, t = list(run.contacts).index(event.part), run.pieces.t[[node]]
-        (_, before, _), (_, after, _) = (run._states_at(t, np.array([piece])) for piece in (node - 1, node))
-        slips = [np.array(mechanics.slips(t[0], mechanics.coordinates_of(tuple(v[0]))), float)[i] for v in (before, after)]
-        gained = float(kinetic(mechanics, after)[0] - kinetic(mechanics, before)[0])
-        j = mechanics.coordinate_of(mechanics.joints[event.part].body)
-        taken = -float(mechanics.masses[j]) * (slips[1] - slips[0]) * 0.5 * (slips[0] + slips[1])
-        landings.append((float(t[0]), float(taken), gained + float(taken), event.part))
-    return landings

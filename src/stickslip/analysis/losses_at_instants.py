@@ -1,0 +1,46 @@
+"""What is lost and gained at single instants of a run: where stops throw bodies back, and where contacts land."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip.models.powers import label_of_stop
+
+if TYPE_CHECKING:
+    from stickslip.models.mechanics import Mechanics
+    from stickslip.results.trajectory import Trajectory
+
+
+def lost_at_hits(run: Trajectory, mechanics: Mechanics) -> list[tuple[float, float, str]]:
+    """Instants at which stops throw bodies back, the kinetic energy that is lost there [J], and the stops' names."""
+    if not mechanics.stops or len(run.pieces.mode) < 2:
+        return []
+    nodes, later = run.pieces.t[1:-1], np.arange(1, len(run.pieces.mode))
+    before, after = (run._states_at(nodes, index)[1] for index in (later - 1, later))
+    thrown = np.any(before != after, axis=1) & ~np.isin(nodes, [t for t, _ in run._impulses])
+    thrown[[node - 1 for node, _ in run._flights]] = False
+    lost = mechanics.kinetic(before) - mechanics.kinetic(after)
+    struck: dict[int, list[str]] = {}
+    for node, event in run._hits:
+        struck.setdefault(node, []).append(label_of_stop(mechanics, event.part))
+    other = [label_of_stop(mechanics, mechanics.stops[0].name)]  # a rate of the gap too small for an event
+    return [(float(nodes[i]), float(lost[i]), " and ".join(struck.get(int(later[i]), other))) for i in np.flatnonzero(thrown)]
+
+
+def at_landings(run: Any, mechanics: Any) -> list[tuple[float, float, float, str]]:
+    """Instants at which contacts land, what friction takes there and what the ground gives [J], and the contacts' names.
+
+    An impulse along the track works with the mean of the velocities before and after it.
+    """
+    landings = []
+    for node, event in run._flights:
+        i, t = list(run.contacts).index(event.part), run.pieces.t[[node]]
+        (_, before, _), (_, after, _) = (run._states_at(t, np.array([piece])) for piece in (node - 1, node))
+        slips = [np.array(mechanics.slips(t[0], mechanics.coordinates_of(tuple(v[0]))), float)[i] for v in (before, after)]
+        gained = float(mechanics.kinetic(after)[0] - mechanics.kinetic(before)[0])
+        j = mechanics.coordinate_of(mechanics.joints[event.part].body)
+        taken = -float(mechanics.masses[j]) * (slips[1] - slips[0]) * 0.5 * (slips[0] + slips[1])
+        landings.append((float(t[0]), float(taken), gained + float(taken), event.part))
+    return landings
