@@ -3,8 +3,9 @@
     python benchmarks/before_after.py 2282772 HEAD [--runs 10] [--only import]
 
 Each measurement is a process of its own on one pinned core, A B A B ..., and prints the CPU seconds of its work, without import and
-compilation unless these are what is measured. A row is the median of the ratios pair by pair, new over old, with the second smallest and
-the second largest; and the ratio of the least of each, on which other work on the machine has the smallest part.
+compilation unless these are what is measured. Python's own compilation of the sources (.pyc) is done before, as where a package is
+installed. A row is the median of the ratios pair by pair, new over old, with the second smallest and the second largest; and the ratio
+of the least of each, on which other work on the machine has the smallest part.
 Needs git and the packages that both versions import.
 """
 
@@ -54,6 +55,17 @@ def briefly(model: str, more: str = "") -> str:
     return timed(LAWS + f"model = {model}\n", f"for _ in range(100): ss.solve(model, {more or 'periods=2'})", 10)
 
 
+def new_laws(law: str) -> str:
+    """Two periods under a class of law of its own each time: what a kind costs when it is met, without compilation."""
+    return timed(
+        LAWS + f"law, robot = {law}, rig(tilt_deg=0.0, amplitude=6e-4)\n",
+        "for _ in range(20):\n"
+        '    own = type("Own", (type(law),), {"__module__": "__main__"})\n'
+        "    ss.solve(robot.replace(friction=own(**{name: getattr(law, name) for name in law.__dataclass_fields__})), periods=2)",
+        10,
+    )
+
+
 def machines(preset: str) -> str:
     """A batch of a machine of the presets."""
     return timed(f"model = ss.presets.{preset}\n", 'ss.solve(model, periods=20, keep="summary")')
@@ -96,6 +108,8 @@ WORK = {
         "for k in range(100): ss.solve(robot.replace(inner_mass=robot.inner_mass * (1 + 1e-6 * k)), periods=2)",
         10,
     ),
+    "solve, a new law each time, Coulomb": new_laws("ss.Coulomb(**same)"),
+    "solve, a new law each time, LuGre": new_laws("friction"),
     "solve, two modules": briefly("ss.presets.two_modules(amplitude=6e-4)"),
     "solve, a belt": briefly("ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0))", "duration=2.0"),
     "solve, a flow": briefly(FLOW, 'duration=2.0, start={"height": 1.0}'),
@@ -128,9 +142,13 @@ WORK = {
 }
 
 
+#: The environment of every measurement; with PYTHONDONTWRITEBYTECODE each import would compile all sources.
+SURROUNDINGS = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+
+
 def measure(tree: Path, cache: Path, program: str) -> float:
     """Seconds that a program prints, with the sources of one version."""
-    env = {**os.environ, "PYTHONPATH": str(tree / "src"), "STICKSLIP_CACHE_DIR": str(cache), "NUMBA_NUM_THREADS": "1"}
+    env = {**SURROUNDINGS, "PYTHONPATH": str(tree / "src"), "STICKSLIP_CACHE_DIR": str(cache), "NUMBA_NUM_THREADS": "1"}
     done = subprocess.run([sys.executable, "-c", program], env=env, capture_output=True, text=True, cwd=tree)
     if done.returncode:
         sys.exit(f"{tree}: {done.stderr[-2000:]}")
@@ -148,6 +166,7 @@ def main() -> None:
         trees = [Path(work) / name for name in ("old", "new")]
         for tree, version in zip(trees, (given.old, given.new), strict=True):
             subprocess.run(["git", "-C", ROOT, "worktree", "add", "--quiet", "--detach", tree, version], check=True)
+            subprocess.run([sys.executable, "-m", "compileall", "-q", tree / "src"], env=SURROUNDINGS, check=True)
         try:
             for name, program in WORK.items():
                 if given.only in name:

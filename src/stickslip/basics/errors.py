@@ -9,9 +9,10 @@ import operator
 import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any, TypeGuard
+from typing import TYPE_CHECKING, Any, TypeGuard
 
-from stickslip.basics.contracts import Model
+if TYPE_CHECKING:
+    from stickslip.basics.contracts import Model
 
 
 class StickslipError(Exception):

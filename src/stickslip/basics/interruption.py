@@ -18,7 +18,6 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 from stickslip.basics.errors import StickslipError
@@ -233,11 +232,11 @@ def stop_call(why: str) -> None:
 
 
 # ---- partial results ----
-@dataclass
 class Ending:
     """How a block under `partial_result` ended."""
 
-    why: str = ""
+    def __init__(self) -> None:
+        self.why = ""
 
     @property
     def interrupted(self) -> bool:

@@ -27,6 +27,7 @@ from stickslip.models.mechanics import Mechanics
 Expressions = tuple[Sym, ...] | str  #: of a function, or the name of the error that it raises
 _POINTS = 6
 _SAME, _ASIDE, _HUGE = 1e-9, 1e-12, 1e250  # of a value; of the arguments, to see what rounding does; where functions end
+_MOVED = np.array([[0.0], [_ASIDE]])  # parts by which arguments are moved: not at all, and a little
 _checked: Remembered[bool] = Remembered()
 
 
@@ -72,13 +73,12 @@ def _check(model: Model) -> bool:
     check_traces(what, one.expressions, other.expressions)
     points = instants(case, m, _POINTS)
     plain = [answers(calls(m, at)) for at in points]
-    traced, aside = _values(one, case, points, 0.0), _values(one, case, points, _ASIDE)
-    for name, values in traced.items():
-        for k, at in enumerate(points):
-            instant = f"t = {at.t:.6g}, velocities {', '.join(f'{v:.6g}' for v in at.u)}"
+    described = [f"t = {at.t:.6g}, velocities {', '.join(f'{v:.6g}' for v in at.u)}" for at in points]
+    for name, values in _values(one, case, points).items():
+        for k, instant in enumerate(described):
             given = plain[k].get(name, "")
             if not isinstance(given, str) and len(given) == len(values):
-                compare(what, name, instant, given, [(value[k], moved[k]) for value, moved in zip(values, aside[name], strict=True)])
+                compare(what, name, instant, given, [(value[k], moved[k]) for value, moved in values])
     return True
 
 
@@ -89,10 +89,12 @@ def check_traces(what: str, one: Mapping[str, Expressions], other: Mapping[str, 
             raise InputError(what, [f"{name} is another expression each time it is called with the same symbols; {NOT_REPEATABLE}"])
 
 
-def values_by_name(graph: Graph, known: dict[str, Any], roots: Mapping[str, tuple[Sym, ...]], count: int) -> dict[str, list[Any]]:
-    """Values of expressions by name at `count` points, from what is known of their symbols: an array (count,) of each."""
+def values_by_name(
+    graph: Graph, known: dict[str, Any], roots: Mapping[str, tuple[Sym, ...]], shape: tuple[int, ...]
+) -> dict[str, list[list[Any]]]:
+    """Values of expressions by name, from what is known of their symbols: a list of each, nested as an array of this shape."""
     values = values_of(graph, known, [node for nodes in roots.values() for node in nodes])
-    return {name: [np.broadcast_to(values[node.number], (count,)) for node in nodes] for name, nodes in roots.items()}
+    return {name: [np.broadcast_to(values[node.number], shape).tolist() for node in nodes] for name, nodes in roots.items()}
 
 
 def _shape_of(roots: Expressions) -> Any:
@@ -105,15 +107,15 @@ def _shape_of(roots: Expressions) -> Any:
     return listed, [order[node.number] for node in roots]
 
 
-def _values(traced: _Traced, case: Any, points: Sequence[Arguments], aside: float) -> dict[str, list[Any]]:
-    """Values of the expressions at some arguments, which may be moved a little."""
+def _values(traced: _Traced, case: Any, points: Sequence[Arguments]) -> dict[str, list[list[list[float]]]]:
+    """Values of the expressions at some arguments, and where all of these are moved a little: two lists of each."""
     roots = {name: computed for name, computed in traced.expressions.items() if not isinstance(computed, str)}
-    moved = np.random.default_rng(0)
-    known: dict[str, Any] = {name: value * (1 + aside * moved.uniform(-1, 1)) for name, value in leaves(case)}
+    draw = np.random.default_rng(0)
+    known: dict[str, Any] = {name: value * (1 + _MOVED * draw.uniform(-1, 1)) for name, value in leaves(case)}
     for symbol, *numbers in zip(_flat(traced.names), *map(_flat, points), strict=True):
         values = np.array(numbers, float)
-        known[symbol.name] = values if symbol.op == "flag" else values * (1 + aside * moved.uniform(-1, 1, len(points)))
-    return values_by_name(traced.graph, known, roots, len(points))
+        known[symbol.name] = values if symbol.op == "flag" else values * (1 + _MOVED * draw.uniform(-1, 1, len(points)))
+    return values_by_name(traced.graph, known, roots, (2, len(points)))
 
 
 def _flat(at: Arguments) -> list[Any]:

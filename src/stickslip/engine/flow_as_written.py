@@ -103,4 +103,4 @@ def _values(traced: TracedFlow, flow: SwitchingFlow, points: list[tuple[float, l
     columns = {"t": [t for t, _ in points]} | {f"y{i}": [y[i] for _, y in points] for i in range(traced.n)}
     known |= {name: np.array(column) * (1 + aside * moved.uniform(-1, 1, count)) for name, column in columns.items()}
     known |= {BEGIN: 0.0, MOST: 1e4, SPAN: 1.0} | {f"{SIZE}{i}": 1.0 for i in range(traced.n)} | {f"mode{k}": 1.0 for k in range(4)}
-    return values_by_name(traced.graph, known, traced.expressions, count)
+    return values_by_name(traced.graph, known, traced.expressions, (count,))

@@ -75,4 +75,4 @@ def _values(
     known |= {symbol.name: value * (1 + aside) for symbol, value in zip(traced.z, z, strict=True)} | {
         mode.name: 0.0 for mode in traced.mode
     }
-    return {name: [float(value[0]) for value in values] for name, values in values_by_name(traced.graph, known, roots, 1).items()}
+    return {name: [value[0] for value in values] for name, values in values_by_name(traced.graph, known, roots, (1,)).items()}

@@ -14,12 +14,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from stickslip.basics.errors import InputError, StickslipError, did_you_mean
-from stickslip.basics.interruption import ended_early
 from stickslip.show.cli.declaring import declaration, names, summary_line
 
 __all__ = ["COMMANDS", "done", "main"]
 
 INTERRUPTED = 130  # what a shell expects of a program that Ctrl-C ended
+_HELP, _VERSION = ("-h", "--help", "help"), ("-V", "--version")
+_OF_ITSELF = (*_HELP, *_VERSION)  # what it says of itself: nothing runs that could be interrupted
 #: The names of all commands.
 COMMANDS = names()
 
@@ -39,6 +40,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     0
     """
     words = list(sys.argv[1:] if argv is None else argv)
+    if len(words) == 2 and words[0] == "help":
+        words = [words[1], "--help"]
+    if not words or words[0] in _OF_ITSELF:
+        return _done(words)
+    from stickslip.basics.interruption import ended_early
+
     before = len(ended_early)
     code = _done(words)
     return INTERRUPTED if len(ended_early) > before else code
@@ -82,14 +89,12 @@ def _say(sentence: str, code: int) -> int:
 
 
 def _dispatch(words: list[str]) -> int:
-    if len(words) == 2 and words[0] == "help":
-        words = [words[1], "--help"]
-    if not words or words[0] in ("-h", "--help", "help"):
+    if not words or words[0] in _HELP:
         width = max(map(len, COMMANDS))
         text = Path(__file__).with_name("templates").joinpath("help.txt").read_text(encoding="utf-8")
         print(text.format(commands="\n".join(f"  {name:<{width}}  {summary_line(name)}" for name in COMMANDS)), end="")
         return 0 if words else 2
-    if words[0] in ("-V", "--version"):
+    if words[0] in _VERSION:
         from stickslip import __version__
 
         print(f"stickslip {__version__}")

@@ -5,9 +5,8 @@ from __future__ import annotations
 import importlib
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from stickslip.basics.errors import StickslipError
 from stickslip.show.cli import commands
@@ -18,8 +17,7 @@ _FOLDER = Path(commands.__path__[0])
 FIGURES, TABLES = (".png", ".svg", ".pdf"), (".nc", ".mat", ".csv", ".xlsx", ".parquet")
 
 
-@dataclass(frozen=True)
-class Argument:
+class Argument(NamedTuple):
     """One argument: its names, the endings of the file that it names, and what argparse's `add_argument` takes."""
 
     names: tuple[str, ...]
@@ -74,8 +72,7 @@ STUDIES = (
 )
 
 
-@dataclass(frozen=True)
-class Command:
+class Command(NamedTuple):
     """A command as it was declared, with the function that does it."""
 
     act: Callable[[Any], Any]
