@@ -136,11 +136,12 @@ def test_a_mass_that_a_constant_force_speeds_up_for_ever_is_named_as_the_reason(
         ss.periodic_orbit(pushed)
 
 
-def test_a_flow_without_a_period_is_told_that_any_time_between_looks_will_do():
+def test_a_flow_without_a_period_that_comes_to_rest_is_steady_and_has_no_cycle():
     flow = ss.SwitchingFlow({0: lambda t, y, n: (y[1], -0.2 * y[1] - y[0] * n.k)}, numbers={"k": 1.0}, states=("x", "v"))
-    for ask in (lambda: ss.basins(flow), lambda: ss.continuation(flow, parameter="k", start=1.0, stop=2.0)):
-        with pytest.raises(ss.InputError, match=r"has no period.*SwitchingFlow\(\.\.\., period=0\.5\)"):
-            ask()
+    (only,) = ss.basins(flow, x=[-1.0, 1.0], settle=20).attractors
+    assert only.kind == "steady" and np.max(np.abs(only.state)) < 1e-9
+    with pytest.raises(ss.SolveError, match=r"no cycle was found: in .* the run comes to rest; give guess="):
+        ss.continuation(flow, parameter="k", start=1.0, stop=2.0)
 
 
 @pytest.mark.parametrize("turns", [2, 3, 4])

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import stickslip as ss
-from stickslip.dynamics.stroboscopic.return_maps import on_section
+from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.strobe_maps import strobe_map, strobe_points
 
 MU, F, V_S, DAMPING = 0.2, 0.4, 0.3, 0.1

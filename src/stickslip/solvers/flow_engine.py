@@ -17,11 +17,15 @@ from stickslip.engine.flow_as_written import check_flow_as_written, first_of
 from stickslip.engine.flow_system import BEGIN, MOST, SIZE, FlowSystem, flow_system
 from stickslip.engine.kinds import Editions
 from stickslip.engine.remembered import Remembered
+from stickslip.engine.section import RETURNS, VALUE, until_section, weight_of
 from stickslip.engine.symbolic import SPAN
 from stickslip.engine.tangent import tangent
 from stickslip.results.flow_run import ModeChange
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from stickslip.engine.system import System
     from stickslip.models.switching_flow import SwitchingFlow
 
 
@@ -101,27 +105,35 @@ def traced_flow(flow: SwitchingFlow, n: int) -> FlowEquations:
     return _systems(key, traced)
 
 
-def _kernel(traced: FlowEquations, record: bool) -> tuple[FlowSystem, lanes.Kernel, tuple[str, ...]]:
-    """The equations, the kernel and the names of its columns; of one run with the change of its state along a direction."""
+def _kernel(
+    traced: FlowEquations, record: bool, made: Callable[[System], System] | None = None
+) -> tuple[FlowSystem, lanes.Kernel, tuple[str, ...]]:
+    """The equations, the kernel and the names of its columns; of one run with the change of its state along a direction.
+
+    `made` makes another system of the equations, such as one that ends on a section.
+    """
     equations = traced.system
     if equations is None:
         raise SolveError(traced.why)
 
     def compiled() -> tuple[lanes.Kernel, tuple[str, ...]]:
-        system = tangent(equations.system, ()) if record else equations.system
+        system = equations.system if made is None else made(equations.system)
+        system = tangent(system, ()) if record else system
         return lanes.ordered(lanes.kernel(system, None, "SwitchingFlow", record), 1), system.names
 
-    return equations, *_kernels((traced.key, record), compiled)
+    return equations, *_kernels((traced.key, record, made), compiled)
 
 
 def _row(
-    flow: SwitchingFlow, equations: FlowSystem, names: tuple[str, ...], y: Array, span: Numeric, begin: float, most: float | None
-) -> Array:
+    flow: SwitchingFlow, equations: FlowSystem, names: tuple[str, ...], y: Array, span: Numeric, begin: float, most: float | None,
+    more: Mapping[str, Any] | None = None,
+) -> Array:  # fmt: skip
     """Numbers of the case in the order of its kernel, for each start (cases, columns)."""
     cases, size = len(y), np.max(abs(y), axis=1, initial=0.0)
     size = np.where(size > 0.0, size, 1.0)
     known: dict[str, Any] = {**equations.constants, **flow.numbers, BEGIN: begin, MOST: MOST_SWITCHES if most is None else most, SPAN: span}
     known |= {f"{SIZE}{i}": column for i, column in enumerate(np.maximum(abs(y), 1e-3 * size[:, None]).T)}
+    known |= more or {}
     rows = np.empty((cases, len(names)))
     for column, name in enumerate(names):
         rows[:, column] = known[name]
@@ -267,6 +279,51 @@ def ends(flow: SwitchingFlow, states: Array, modes: Array, duration: Numeric, be
     good = status <= Status.REPEATS
     y = np.where(good[:, None], result.end[:, 1:], np.nan)
     return y, np.where(good, np.round(np.nan_to_num(result.memory[:, 0])) - 1, -1).astype(int), status
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class FlowReturns:
+    """Where many starts are after some returns to a section (NaN, and the mode -1, where they could not be followed), and how long it took.
+
+    A start that does not come back in time is where it is then, with the status "finished", as those that do.
+    """
+
+    states: Array
+    modes: Array
+    status: Array
+    duration: Array
+
+
+def returned(
+    flow: SwitchingFlow, states: Array, modes: Array, section: tuple[int, float, Array], returns: int, longest: Array
+) -> FlowReturns:
+    """The states and modes of many starts after some returns to a section, side by side.
+
+    Parameters
+    ----------
+    flow, states, modes
+        As for `ends`.
+    section : (int, float, array (cases,))
+        Which state passes a value, rising (1) or falling (-1), and the value.
+    returns : int
+        How often.
+    longest : array (cases,)
+        How long each is followed if it does not come back.
+    """
+    n, (which, direction, value) = states.shape[1], section
+    equations, kernel, names = _kernel(traced_flow(flow, n), False, until_section)
+    more = {weight_of(i): direction if i == which else 0.0 for i in range(n)} | {VALUE: direction * value, RETURNS: float(returns)}
+    rows = _row(flow, equations, names, states, longest, 0.0, None, more)
+    start = np.column_stack([np.zeros(len(states)), states, 1.0 + modes])
+    result = lanes.run(kernel, np.ascontiguousarray(rows), start, lanes.Job(1, 0, False, 1e-9, 0.75, _BUDGET * returns))
+    back = result.status == Status.RETURNED
+    status = np.where(back, int(Status.FINISHED), result.status)
+    status = np.where(np.isfinite(result.end[:, 1:]).all(axis=1), status, np.maximum(status, Status.NOT_A_NUMBER))
+    good = status <= Status.REPEATS
+    took = np.where(back, np.nan if result.ended is None else result.ended, longest)
+    last = np.where(good, np.round(np.nan_to_num(result.memory[:, 0])) - 1, -1).astype(int)
+    return FlowReturns(np.where(good[:, None], result.end[:, 1:], np.nan), last, status, took)
 
 
 def _check(flow: SwitchingFlow, result: Any, begin: float, n: int, most: int | None) -> None:

@@ -20,10 +20,10 @@ from stickslip.dynamics.attractors.mirror_images import mirror_images
 from stickslip.dynamics.attractors.motion_features import Features, features_of, motion_numbers
 from stickslip.dynamics.attractors.settled_motions import Settled, settled_motions
 from stickslip.dynamics.continuation.one_parameter import Family, family
+from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.chunked_runs import Report
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.return_maps import on_section
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, spread_over
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, spread_over
 from stickslip.models.switching_flow import is_flow
 from stickslip.studies.progress import Watch
 
@@ -69,6 +69,8 @@ def attractors(
     settle: int = 300,
     limit: int | None = None,
     rtol: float = 1e-7,
+    section: Any = None,
+    turns: int = 1,
     workers: int = 1,
     progress: Report | None = None,
     **fixed: Any,
@@ -98,6 +100,11 @@ def attractors(
         said of it.
     rtol : float
         Tolerance for dynamic laws.
+    section : str or tuple, optional
+        Of a model without a period: where its motions are looked at, by the name of a state, ``section="v"``, with the value that it
+        passes, ``section=("v", 0.0)``, and the direction, 1 where it rises and -1 where it falls. If not given, it is chosen from a run.
+    turns : int
+        Of a model without a period: after how many returns to the section it is looked at again.
     workers : int
         Threads for the starts of one value. The results do not depend on it.
     progress : callable or bool, optional
@@ -136,14 +143,15 @@ def attractors(
     values = checked_values(Problems("attractors"), values, robots)
     first = robots.robot(values[0])
     needs_model("attractors", first, flows=True, sections=True)
-    at = on_section(robots.robots(values))
+    at = coordinates(robots.robots(values))
     if "phase" in (starts or {}):
         raise InputError("attractors", ["phase is not part of the strobe state that is tracked; take ss.basins(robot, phase=...)"])
     axes, limit = start_axes("attractors", at, starts or {}, settle, limit, workers, first)
     table = grid_of(axes)
+    at = on_section(first, at, section=section, turns=turns, states=on_grid(table, first), what="attractors")
     tracks: list[_Track] = []
     lost, watch = np.full((len(values), len(_LOST)), UNDONE), Watch(len(values), progress)
-    along = _Along(robots, values, table, at, settle, limit, rtol, workers)
+    along = _Along(robots, values, table, at, settle, limit, rtol, workers, section)
     with partial_result() as ending:
         for k in range(len(values)):
             look()
@@ -168,10 +176,14 @@ class _Along:
     limit: int
     rtol: float
     workers: int
+    section: Any
 
     def on(self, model: Model) -> Coordinates:
-        """The coordinates of the model at one value; without a period it has a section of its own."""
-        return self.at if self.at.section is None else on_section(model)
+        """The coordinates of the model at one value; without a period it has a section of its own, by the same state."""
+        if self.at.section is None:
+            return self.at
+        asked = self.at.section.name if self.section is None else self.section
+        return on_section(model, section=asked, turns=self.at.section.turns, states=on_grid(self.table, model), what="attractors")
 
     def settled(self, model: Model, states: Array) -> Settled:
         many = spread_over(model, len(states))

@@ -21,10 +21,10 @@ from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, PERIODIC
 from stickslip.dynamics.attractors.mirror_images import image_in_words, mirror_images
 from stickslip.dynamics.attractors.motion_features import Features, features_of, motion_numbers
 from stickslip.dynamics.attractors.settled_motions import Settled, checked_limit, settled_motions
+from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.chunked_runs import Report
 from stickslip.dynamics.stroboscopic.phase_shift import shifted_robots
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.return_maps import on_section
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over, state_at_rest
 from stickslip.models.switching_flow import is_flow
 from stickslip.solvers.request import LARGEST_START
@@ -164,6 +164,8 @@ def basins(
     settle: int = 300,
     limit: int | None = None,
     rtol: float = 1e-7,
+    section: Any = None,
+    turns: int = 1,
     workers: int = 1,
     progress: Report | None = None,
     **starts: Any,
@@ -185,6 +187,11 @@ def basins(
         Drive periods up to which a start is run on that has not settled; eight times `settle` if not given.
     rtol : float
         Tolerance for dynamic laws.
+    section : str or tuple, optional
+        Of a model without a period: where its motions are looked at, by the name of a state, ``section="v"``, with the value that it
+        passes, ``section=("v", 0.0)``, and the direction, 1 where it rises and -1 where it falls. If not given, it is chosen from a run.
+    turns : int
+        Of a model without a period: after how many returns to the section it is looked at again.
     workers : int
         Threads. The results do not depend on it.
     progress : callable or bool, optional
@@ -212,10 +219,11 @@ def basins(
     (1, [1.0])
     """
     needs_model("basins", model, flows=True, sections=True)
-    at = on_section(model)
+    at = coordinates(model)
     axes, limit = start_axes("basins", at, starts, settle, limit, workers, model)
     table = grid_of(axes)
     states = on_grid(table, model)
+    at = on_section(model, at, section=section, turns=turns, states=states, what="basins")
     batch = shifted_robots("basins", model, table["phase"]) if "phase" in table else spread_over(model, len(states))
     settled = settled_motions(batch, states, at, settle, limit, rtol, workers=workers, progress=progress, partly=True)
     result = _gathered(model, axes, settled, at, "phase" in table, rtol)
@@ -249,8 +257,8 @@ def start_axes(
     what: str, at: Any, starts: dict[str, Any], settle: Any, limit: Any, workers: Any, model: Any = None
 ) -> tuple[dict[str, Array], int]:
     """The axes of a grid of starts, checked, and the limit of their runs in drive periods."""
-    flow = is_flow(model)
-    problems, known = Problems(what), at.names[: at.smooth] if flow else at.names if at.section is not None else (*at.names, "phase")
+    flow, free = is_flow(model), model is not None and model.period is None
+    problems, known = Problems(what), at.names[: at.smooth] if flow else at.names if free else (*at.names, "phase")
     problems.whole("workers", workers, 1, example=2)
     problems.whole("settle", settle, 1, example=300)
     most = checked_limit(problems, settle, limit)

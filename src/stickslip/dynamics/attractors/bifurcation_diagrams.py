@@ -19,9 +19,9 @@ from stickslip.dynamics.attractors.period_numbers import POINTS
 from stickslip.dynamics.attractors.settled_motions import checked_limit, motion_times, settled_motions
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.periodic.given_states import states_of
+from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, over_chunks
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.return_maps import on_section
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, strobe_map
 from stickslip.models.naming import in_its_unit
 from stickslip.models.switching_flow import is_flow
@@ -46,6 +46,8 @@ def bifurcation(
     follow: bool = True,
     start: Any = None,
     rtol: float = 1e-7,
+    section: Any = None,
+    turns: int = 1,
     workers: int = 1,
     progress: Report | None = None,
     **fixed: Any,
@@ -72,6 +74,11 @@ def bifurcation(
         Initial state; rest if not given.
     rtol : float
         Tolerance for dynamic laws.
+    section : str or tuple, optional
+        Of a model without a period: where its motions are looked at, by the name of a state, ``section="v"``, with the value that it
+        passes, ``section=("v", 0.0)``, and the direction, 1 where it rises and -1 where it falls. If not given, it is chosen from a run.
+    turns : int
+        Of a model without a period: after how many returns to the section it is looked at again.
     workers : int
         Threads, where `follow` is False (following goes from value to value). The results do not depend on it.
     progress : callable or bool, optional
@@ -104,8 +111,11 @@ def bifurcation(
     limit = checked_limit(problems, settle, limit)
     values = checked_values(problems, values, robots)
     needs_model("bifurcation", robots.robot(values[0]), flows=True, sections=True)
-    how = _Look(robots, on_section(robots.robots(values)), settle, limit, points, rtol)
-    first = states_of(start, robots.robots(values))
+    model = robots.robots(values)
+    first = states_of(start, model)
+    at = on_section(model, section=section, turns=turns, states=first, what="bifurcation")
+    first = at.section.starts(first) if start is None and at.section is not None else first
+    how = _Look(robots, at, settle, limit, points, rtol)
     diagram = how.blank(DIRECTIONS if follow else ("from start",), len(values), first.shape[1])
     with partial_result() as ending:
         if follow:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -21,8 +22,8 @@ from stickslip.dynamics.attractors.basins import Attractor
 from stickslip.dynamics.attractors.period_numbers import LONGEST
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.periodic.periodic_orbits import derivative_of, orbit_near
+from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.return_maps import on_section
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, strobe_map, strobe_orbit
 
 if TYPE_CHECKING:
@@ -69,6 +70,8 @@ class EdgeState(Drawn):
         The strobe states of the edge track, from the first bisection on.
     notes : tuple of str
         What limits the result.
+    at : Coordinates
+        Of its states, with the section of a model without a period.
 
     Examples
     --------
@@ -89,6 +92,7 @@ class EdgeState(Drawn):
     attractors: Array
     track: Array
     notes: tuple[str, ...] = ()
+    at: Any = None
 
     _drawn_by = "edge_state"
 
@@ -107,9 +111,7 @@ class EdgeState(Drawn):
         """The strobe points of the motion: array (n, coordinates); those of the edge track where it has no period, one of a jump."""
         if self.kind == "not periodic":
             return self.track
-        return np.vstack(
-            [self.state[None, :], strobe_orbit(self.model, self.state, max(self.period, 1), 1e-12, on_section(self.model))[0][:-1, 0]]
-        )
+        return np.vstack([self.state[None, :], strobe_orbit(self.model, self.state, max(self.period, 1), 1e-12, self.at)[0][:-1, 0]])
 
     @property
     def multipliers(self) -> Array:
@@ -143,6 +145,8 @@ def edge_state(
     periods: int = 100,
     settle: int = 200,
     rtol: float = 1e-10,
+    section: Any = None,
+    turns: int = 1,
     progress: Reported | bool | None = None,
 ) -> EdgeState:
     """The edge state between two attractors: the motion on the border of their basins, by bisection and edge tracking.
@@ -165,6 +169,11 @@ def edge_state(
         Drive periods after which it is first asked to which motion a start leads; what is on neither then is run on, to 15 times as long.
     rtol : float
         Tolerance for dynamic laws.
+    section : str or tuple, optional
+        Of a model without a period: where its motions are looked at, by the name of a state, ``section="v"``, with the value that it
+        passes, ``section=("v", 0.0)``, and the direction, 1 where it rises and -1 where it falls. If not given, it is chosen from a run.
+    turns : int
+        Of a model without a period: after how many returns to the section it is looked at again.
     progress : callable or bool, optional
         True for a progress line, or a function that is called with (what is done, periods so far, periods at most); return False to stop.
 
@@ -200,13 +209,13 @@ def edge_state(
     problems.whole("settle", settle, 1, example=200)
     checked_number("rtol", rtol, problems, between(1e-14, 1e-3), "a tolerance from 1e-14 to 1e-3", "rtol=1e-10")
     problems.check()
-    at = on_section(model)
     ends = np.vstack([states_of(start.state if isinstance(start, Attractor) else start, model)[:1] for start in (first, second)])
+    at = on_section(model, section=section, turns=turns, states=ends, what="edge_state")
     judge = judge_between(model, at, int(settle), rtol, ends)
     report = reporting(progress, "edge_state")
     state = _tracked(judge, narrowed(judge, ends if at.section is None else judge.ends), int(periods), report)
     report(state.kind, int(periods), int(periods))
-    return state
+    return replace(state, at=at)
 
 
 def _tracked(judge: SideJudge, pair: Array, periods: int, report: Reported) -> EdgeState:

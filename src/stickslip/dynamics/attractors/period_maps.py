@@ -20,9 +20,9 @@ from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.derivatives.tangents import jacobians_of, not_followed
 from stickslip.dynamics.exponents.motion_exponents import exponents_from
 from stickslip.dynamics.periodic.given_states import states_of
+from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, over_chunks
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.return_maps import on_section
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over, strobe_map
 
 if TYPE_CHECKING:
@@ -45,6 +45,8 @@ def chaos_map(
     periods: int = 200,
     start: Any = None,
     rtol: float = 1e-8,
+    section: Any = None,
+    turns: int = 1,
     workers: int = 1,
     progress: Report | None = None,
     **arguments: Any,
@@ -68,6 +70,11 @@ def chaos_map(
         Initial state of every case; rest if not given.
     rtol : float
         Tolerance for dynamic laws.
+    section : str or tuple, optional
+        Of a model without a period: where its motions are looked at, by the name of a state, ``section="v"``, with the value that it
+        passes, ``section=("v", 0.0)``, and the direction, 1 where it rises and -1 where it falls. If not given, it is chosen from a run.
+    turns : int
+        Of a model without a period: after how many returns to the section it is looked at again.
     workers : int
         Threads. The results do not depend on it.
     progress : callable or bool, optional
@@ -95,7 +102,10 @@ def chaos_map(
     axes, most = _axes(arguments, settle, limit, periods, workers)
     robots = family("chaos_map", make, tuple(axes), {name: value for name, value in arguments.items() if name not in axes})
     first = robots.robot(*(axis[0] for axis in axes.values()))
-    needs_model("chaos_map", first, sections=True)
+    needs_model("chaos_map", first, flows=True, sections=True)
+    if first.period is None:
+        known = on_section(first, section=section, turns=turns, states=states_of(start, first), what="chaos_map").section
+        section = known.name if section is None else section
     grid = [column.ravel() for column in np.meshgrid(*axes.values(), indexing="ij")]
     size = grid[0].size
     whole = [
@@ -107,7 +117,7 @@ def chaos_map(
     ]
 
     def looked_at(part: slice, tell: Callable[[float], None]) -> tuple[Array, ...]:
-        return _looked_at(robots, [column[part] for column in grid], start, settle, most, periods, rtol, tell)
+        return _looked_at(robots, [column[part] for column in grid], start, (section, turns), settle, most, periods, rtol, tell)
 
     with partial_result() as ending:
         for part, results in over_chunks(grid[0].size, looked_at, workers, progress):
@@ -146,13 +156,16 @@ def _axes(arguments: dict[str, Any], settle: Any, limit: Any, periods: Any, work
 
 
 def _looked_at(
-    robots: Family, values: list[Array], start: Any, settle: int, limit: int, periods: int, rtol: float, tell: Any
+    robots: Family, values: list[Array], start: Any, section: tuple[Any, int], settle: int, limit: int, periods: int, rtol: float, tell: Any
 ) -> tuple[Array, ...]:
     """Period, mean velocity, motion, exponent, its error and drive periods of a part of the grid."""
     cases = len(values[0])
     model = spread_over(robots.robots(*values), cases)
-    at = on_section(model, coordinates(robots.robot(*(column[0] for column in values))))
-    settled = settled_motions(model, states_of(start, model), at, settle, limit, rtol, groups=np.arange(cases), exponents=periods)
+    first = states_of(start, model)
+    at = coordinates(robots.robot(*(column[0] for column in values)))
+    at = on_section(model, at, section=section[0], turns=section[1], states=first, what="chaos_map")
+    first = at.section.starts(first) if start is None and at.section is not None else first
+    settled = settled_motions(model, first, at, settle, limit, rtol, groups=np.arange(cases), exponents=periods)
     tell(0.7)
     V = features_of(model.period, settled, at).mean_velocity
     state, exponent, error = settled.points[:, -1], settled.exponent.copy(), settled.error.copy()

@@ -28,7 +28,7 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import Problems, is_whole
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import Ending, partial_result
-from stickslip.dynamics.attractors.kinds_of_motion import ATTRACTING, PERIODIC, RUNS_AWAY, UNSETTLED, UNSOLVED
+from stickslip.dynamics.attractors.kinds_of_motion import ATTRACTING, PERIODIC, RUNS_AWAY, STEADY, UNSETTLED, UNSOLVED
 from stickslip.dynamics.attractors.motions_without_period import GroupOfStarts, late_ends
 from stickslip.dynamics.attractors.period_numbers import POINTS
 from stickslip.dynamics.attractors.starts_run_on import NUDGE, NUDGED, STRETCH, StartsRun, WatchedStarts
@@ -181,6 +181,8 @@ def settled_motions(
 
 def _on_unstable_motions(whole: WatchedStarts) -> None:
     """Starts on periodic motions that a nudge leaves have not settled."""
-    for i in np.flatnonzero((whole.kind == PERIODIC) & (whole.leaves > _LEFT)).tolist():
-        grown = f"a nudge of {NUDGE:g} of the scales grows {whole.leaves[i]:.3g}-fold in {NUDGED} drive periods"
-        whole.kind[i], whole.why[i] = UNSETTLED, f"the start lies on an unstable motion of period {whole.period[i]}: {grown}; move it aside"
+    unit = "drive periods" if whole.at.section is None else "returns"
+    for i in np.flatnonzero(np.isin(whole.kind, (PERIODIC, STEADY)) & (whole.leaves > _LEFT)).tolist():
+        grown = f"a nudge of {NUDGE:g} of the scales grows {whole.leaves[i]:.3g}-fold in {NUDGED} {unit}"
+        lies = f"on an unstable motion of period {whole.period[i]}" if whole.kind[i] == PERIODIC else "at an unstable rest"
+        whole.kind[i], whole.why[i] = UNSETTLED, f"the start lies {lies}: {grown}; move it aside"

@@ -116,9 +116,9 @@ class StartsRun:
         return np.array([bool(ask(rows_of_points(self.watched.points[i]), last, last, LONGEST, scales)) for i in rows], bool)
 
     def nudge(self) -> None:
-        """Nudge the starts that are on a periodic motion from the first: what stays on an unstable one by symmetry alone leaves it then."""
+        """Nudge the starts that are on their motion from the first: what stays on an unstable one, or at rest, by chance leaves it then."""
         watched, at = self.watched, self.at
-        repeats = np.flatnonzero(watched.kind == PERIODIC)
+        repeats = np.flatnonzero(np.isin(watched.kind, (PERIODIC, STEADY)))
         back = [np.min(at.distance(watched.points[i, -watched.period[i] :], self.starts[i])) for i in repeats]
         rows = repeats[np.array(back) <= self.tolerance] if back else repeats
         if not len(rows):
@@ -170,7 +170,10 @@ class StartsRun:
                 state[fine] = after[fine]
                 if not fine.any():
                     break
-        last = np.abs(np.vstack([state, *([_before_end(model, state)] if is_flow(model) else [])])[:, :smooth]) / self.at.scales[:smooth]
+        last = (
+            np.abs(np.vstack([state, *([_before_end(model, state, self.at.of(rows))] if is_flow(model) else [])])[:, :smooth])
+            / self.at.scales[:smooth]
+        )
         most = last.reshape(-1, len(rows), smooth).max(axis=(0, 2), initial=0.0)
         return np.asarray(most > np.minimum(_FAR, 1e2 * (1.0 + first.max(axis=1, initial=0.0))))  # squared, a number is soon infinite
 
@@ -217,12 +220,12 @@ def _later(model: Model, states: Array, at: Coordinates, periods: int, rtol: flo
     return np.moveaxis(kept, 0, 1), made.T, times.T, good
 
 
-def _before_end(flow: SwitchingFlow, states: Array) -> Array:
+def _before_end(flow: SwitchingFlow, states: Array, at: Coordinates) -> Array:
     """The last states within the next period before a flow cannot be solved any more, by halving the time."""
     from stickslip.solvers.flow_engine import ends
 
     low, high = np.zeros(len(states)), np.ones(len(states))
-    T, last = np.asarray(flow.period, float), states.copy()
+    T, last = np.asarray(flow.period if at.section is None else at.section.longest, float), states.copy()
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
         y, _, status = ends(flow, states[:, :-1], np.round(states[:, -1]), middle * T)

@@ -206,7 +206,7 @@ def continuation(
     parameter: str,
     start: float,
     stop: float,
-    period: int = 1,
+    period: int | None = None,
     guess: Any = None,
     step: float = 0.02,
     points: int = 400,
@@ -226,8 +226,8 @@ def continuation(
         The keyword that varies.
     start, stop : float
         First and last value of the parameter; text with a unit, such as "0.4 mm", is allowed.
-    period : int
-        Drive periods after which the motions repeat.
+    period : int, optional
+        Drive periods after which the motions repeat, 1 if not given; without a period turns, as many as the run shows.
     guess : optional
         As for `periodic_orbit`, at `start`.
     step : float

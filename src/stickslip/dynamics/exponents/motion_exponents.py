@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,11 +18,12 @@ from stickslip.basics.interruption import interruptible, look, partial_result
 from stickslip.basics.quantities import between
 from stickslip.dynamics.derivatives.tangents import Changes, changes_along, not_followed
 from stickslip.dynamics.exponents.general_exponents import Lyapunov, error_of_mean, exponents_of, gathered, grown
+from stickslip.dynamics.flows.flow_stretches import passage
 from stickslip.dynamics.periodic.closed_orbits import resting
 from stickslip.dynamics.periodic.given_states import states_of
+from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, over_chunks
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.return_maps import on_section
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, flight, refuse_chance, strobe_map, strobe_points, strobe_states
 from stickslip.engine.tangent import with_volume
 from stickslip.models.machine_adapter import machine_of
@@ -49,6 +51,8 @@ def lyapunov(
     settle: int = 200,
     start: Any = None,
     rtol: float = 1e-7,
+    section: Any = None,
+    turns: int = 1,
     progress: Report | None = None,
 ) -> Lyapunov:
     """All Lyapunov exponents of the attractor of a robot, per drive period (natural logarithm); without a period per second.
@@ -56,12 +60,12 @@ def lyapunov(
     Small perturbations are propagated along the motion by the tangent equations, through every switch and stop. Under a set-valued law
     a body that comes to rest loses the memory of its velocity, and a controller that of its state at a sample: the exponent is -inf, and
     `note` says so. The 0 of the cyclic position is left out. Directions that contract below rounding error within a period, as those of
-    stiff bristles do, share the remaining rate of volume contraction equally. A machine without a period is followed from return to return
+    stiff bristles do, share the remaining rate of volume contraction equally. Without a period the motion is followed from return to return
     to its section, which take the place of drive periods; if it oscillates one exponent is 0, that along the motion.
 
     Parameters
     ----------
-    model : Robot or machine, or a SwitchingFlow with a period
+    model : Robot, machine or SwitchingFlow
         One of them.
     periods : int
         Drive periods to average over.
@@ -71,6 +75,11 @@ def lyapunov(
         Initial state, as for `solve`; rest if not given.
     rtol : float
         Tolerance of the run.
+    section : str or tuple, optional
+        Of a model without a period: where its motions are looked at, by the name of a state, ``section="v"``, with the value that it
+        passes, ``section=("v", 0.0)``, and the direction, 1 where it rises and -1 where it falls. If not given, it is chosen from a run.
+    turns : int
+        Of a model without a period: after how many returns to the section it is looked at again.
     progress : callable or bool, optional
         True for a progress line, or a function that is called with a `Progress` of drive periods; return False to stop: the averages
         until then are returned, as after Ctrl-C, and `note` says so.
@@ -88,15 +97,20 @@ def lyapunov(
     -2.418858
     """
     check_exponents(model, periods, settle)
-    return exponents_along(model, periods, settle, start, rtol, progress)[0]
+    state = states_of(start, model)
+    at = on_section(model, section=section, turns=turns, states=state, what="lyapunov")
+    begun = at.section.starts(state)[0] if start is None and at.section is not None else start
+    return exponents_along(model, periods, settle, begun, rtol, progress, at)[0]
 
 
-def exponents_along(model: Model, periods: int, settle: int, start: Any, rtol: float, progress: Report | None) -> tuple[Lyapunov, bool]:
+def exponents_along(
+    model: Model, periods: int, settle: int, start: Any, rtol: float, progress: Report | None, at: Coordinates
+) -> tuple[Lyapunov, bool]:
     """The exponents of `lyapunov`, and whether they are averages over fewer periods, as it was interrupted."""
+    if at.section is not None:
+        return _between_returns(model, periods, settle, start, rtol, progress, at)
     if is_flow(model):
         return _of_flow(model, periods, settle, start), False
-    if model.period is None:
-        return _between_returns(model, periods, settle, start, rtol, progress)
     state = state_after(model, start, settle, rtol)
     run = flight(model, state[0], _ALIGN, rtol)  # its growth is left out: the frame turns into place
     state, Q, logs, parts = strobe_states(run)[-1:], _growth(run, np.eye(coordinates(model).smooth))[1], [], 0
@@ -117,12 +131,14 @@ def exponents_along(model: Model, periods: int, settle: int, start: Any, rtol: f
     return replace(exponents, note="; ".join(filter(None, notes))), ending.interrupted
 
 
-def _between_returns(model: Model, periods: int, settle: int, start: Any, rtol: float, progress: Report | None) -> tuple[Lyapunov, bool]:
+def _between_returns(
+    model: Model, periods: int, settle: int, start: Any, rtol: float, progress: Report | None, at: Coordinates
+) -> tuple[Lyapunov, bool]:
     """The same of a model without a period, from return to return to its section; the exponent along the motion, 0, is among them."""
-    at = on_section(model)
     d, state, scales = at.smooth, states_of(start, model), at.scales[: at.smooth]
     state = strobe_map(model, state, settle, rtol, at).state if settle else state
     Q, parts, watch = np.eye(d), -_ALIGN, Watch(periods, progress)
+    growth = partial(_growth_of_flow, model) if is_flow(model) else partial(_growth_of_machine, model, scales, rtol)
     logs: list[Array] = []
     times: list[float] = []
     with partial_result() as ending:
@@ -131,20 +147,32 @@ def _between_returns(model: Model, periods: int, settle: int, start: Any, rtol: 
             count = _ALIGN if parts < 0 else min(_CHUNK, periods - parts)
             points, _, took = strobe_points(model, state, count, rtol, at)
             begins, state = np.vstack([state, points[:-1, 0]]), points[-1]
-            changes = changes_along(
-                model, np.repeat(begins, d, axis=0), np.tile(np.diag(scales), (count, 1)), rtol=rtol, span=np.repeat(took[:, 0], d),
-                made=with_volume,
-            )  # fmt: skip
-            for M, volume in zip((changes.change / scales).reshape(count, d, d).transpose(0, 2, 1), changes.volume[::d], strict=True):
+            for M, volume in growth(begins, took[:, 0]):
                 Q, own = grown(M, Q)
                 logs.append(_grown(own, volume, 0))
             times += took[:, 0].tolist()
             parts += count
             watch.finished(0, np.zeros(max(count if parts > 0 else 0, 0), int))
     ending.needs(parts >= _LEAST)
-    exponents = _summary(np.array(logs[_ALIGN:]), float(np.mean(times[_ALIGN:])), "second")
+    exponents = _summary(np.array(logs[_ALIGN:]), float(np.mean(times[_ALIGN:])), "unit of time" if is_flow(model) else "second")
     notes = ending.note(f"averages over {parts} of {periods} returns"), exponents.note
     return replace(exponents, note="; ".join(filter(None, notes))), ending.interrupted
+
+
+def _growth_of_machine(model: Model, scales: Array, rtol: float, begins: Array, took: Array) -> list[tuple[Array, Any]]:
+    """The derivative of each stretch between returns, in scales, and the logarithm of the growth of its volume."""
+    count, d = len(begins), len(scales)
+    changes = changes_along(
+        model, np.repeat(begins, d, axis=0), np.tile(np.diag(scales), (count, 1)), rtol=rtol, span=np.repeat(took, d), made=with_volume
+    )
+    return list(zip((changes.change / scales).reshape(count, d, d).transpose(0, 2, 1), changes.volume[::d], strict=True))
+
+
+def _growth_of_flow(flow: Any, begins: Array, took: Array) -> list[tuple[Array, Any]]:
+    """The same of a flow, right at its switches; of its volume it is only known where a switch wipes out a direction."""
+    modes = list(flow.fields)
+    passed = [passage(flow, state[:-1], modes[round(float(state[-1]))], float(time)) for state, time in zip(begins, took, strict=True)]
+    return [(each.monodromy, -np.inf if each.rank_deficient else np.nan) for each in passed]
 
 
 def _of_flow(flow: Any, periods: int, settle: int, start: Any) -> Lyapunov:
@@ -154,10 +182,10 @@ def _of_flow(flow: Any, periods: int, settle: int, start: Any) -> Lyapunov:
     return _summary(exponents_of(flow, state[:-1], mode, duration=periods * T, settle=_ALIGN * T, every=T, rtol=1e-12)[0])
 
 
-def state_after(model: Model, start: Any, settle: int, rtol: float) -> Array:
-    """The strobe state after some periods: array (1, coordinates)."""
+def state_after(model: Model, start: Any, settle: int, rtol: float, at: Coordinates | None = None) -> Array:
+    """The strobe state, or that on a section, after some periods: array (1, coordinates)."""
     state = states_of(start, model)
-    return strobe_map(model, state, settle, rtol).state if settle else state
+    return strobe_map(model, state, settle, rtol, at).state if settle else state
 
 
 def check_exponents(model: Model, periods: Any, settle: Any) -> None:

@@ -13,7 +13,7 @@ from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import floats
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.exponents.closed_curves import smooth_weights, winding_number
-from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_orbit
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, strobe_orbit
 
 _LEAST = 100
 _TURNS, _COORDINATES = 2000, 4  # strobe points of a motion, and among how many numbers of its state two are looked for
@@ -119,19 +119,19 @@ def rotation_on_curve(points: Array) -> Rotation | None:
     return _mean_advance(_unwrapped(turns))
 
 
-def rotation_of_strobe(model: Model, state: Array, rtol: float) -> tuple[Rotation | None, str, bool]:
+def rotation_of_strobe(model: Model, state: Array, rtol: float, at: Coordinates | None = None) -> tuple[Rotation | None, str, bool]:
     """The rotation number of strobe points in the first two numbers of the state that show one closed curve, and a sentence on it.
 
     Last whether they wind round one at all, folded as it may be.
     """
-    at = coordinates(model)
-    points = strobe_orbit(model, state[None, :], _TURNS, rtol)[0][:, 0]
-    for i, j in combinations(range(min(at.smooth, _COORDINATES)), 2):
+    at = coordinates(model) if at is None else at
+    points = strobe_orbit(model, state[None, :], _TURNS, rtol, at)[0][:, 0]
+    for i, j in combinations(at.free[:_COORDINATES].tolist(), 2):
         rotation = rotation_on_curve(points[:, [i, j]])
         if rotation is not None:
             sentence = f"its strobe points lie on one closed curve in {at.names[i]} and {at.names[j]}: a torus of two frequencies"
             return rotation, f"{sentence}, rotation number {rotation.rounded} turns per drive period, up to whole turns and its sense", True
-    turns = winding_number(points[:, : at.smooth] / at.scales[: at.smooth])
+    turns = winding_number(points[:, at.free] / at.scales[at.free])
     if turns is not None:
         return None, f"its strobe points wind round one closed curve, which is folded, {turns:.7g} turns per drive period", True
     return None, "its strobe points wind round no closed curve: it has more than two frequencies, or has not settled", False

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.analysis.state_order import needs_one_body
 from stickslip.basics.arguments import Single, explains_arguments
 from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.basics.errors import InputError, Problems, SolveError, is_whole
@@ -16,7 +17,6 @@ from stickslip.basics.interruption import interruptible
 from stickslip.dynamics.flows.flow_stretches import Passage, passage, started
 from stickslip.dynamics.flows.user_functions import value_and_slopes
 from stickslip.dynamics.periodic.closed_orbits import Repeating, multipliers_of
-from stickslip.dynamics.stroboscopic.strobe_states import needs_one_body
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.mechanics import normal_load
 from stickslip.models.switching_flow import Switch, SwitchingFlow, is_flow
@@ -26,6 +26,7 @@ _REACH = 0.1  # of the size of the state: so long may a step be in any case
 _APART = 1e6  # so many times its miss must an orbit be large to be told from an equilibrium
 _SAME = 1e-6  # of its size: how well an orbit comes back that has been around
 _SHARES = (1.0, 0.5, 0.2, 0.05, 0.01)  # of Newton's step
+_ITERATIONS = 30  # of Newton's method
 _PARTS = (2, 3, 5, 7, 11, 13)
 _ALIKE, _CANDIDATES = 2.0, 12  # times the nearest: what is taken for the same state again; so many switches are tried
 
@@ -50,6 +51,10 @@ class FlowOrbit(Repeating):
         Remarks, such as that the orbit of a forced flow is an equilibrium.
     model : SwitchingFlow
         The flow.
+    turns : int
+        Of a flow without a period: returns to the section on which it begins.
+    section : Section or None
+        That section, where it is known.
 
     Examples
     --------
@@ -67,6 +72,8 @@ class FlowOrbit(Repeating):
     passage: Passage
     notes: tuple[str, ...] = ()
     model: Any = None
+    turns: int = 1
+    section: Any = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -75,8 +82,8 @@ class FlowOrbit(Repeating):
 
     @property
     def period(self) -> int:
-        """Number of forcing periods after which it repeats; 1 without forcing."""
-        return 1 if self.model.period is None else max(round(self.duration / float(self.model.period)), 1)
+        """Number of forcing periods after which it repeats; without forcing its turns."""
+        return self.turns if self.model.period is None else max(round(self.duration / float(self.model.period)), 1)
 
     @property
     def rtol(self) -> float:
@@ -225,8 +232,14 @@ def _closed(flow: SwitchingFlow, y: Array, mode: Any, T: float, most: int, how: 
             raise SolveError(_nothing_moves(y, mode, T, guessed))
     notes = ("it is an equilibrium: nothing moves, and it repeats after any time",) if still else ()
     if not np.isfinite(done.monodromy).all():
-        raise SolveError(_touches(done))
+        raise SolveError(touches(done))
     return FlowOrbit(y, mode, T, multipliers_of(done.monodromy, done.rank_deficient, free), size, done, notes, flow)
+
+
+def closed_once(flow: SwitchingFlow, y: Array, mode: Any, T: float) -> FlowOrbit:
+    """The cycle of a flow without a period to which Newton's method goes from a state and a duration, traversed once."""
+    how: dict[str, Any] = {"rtol": 1e-12, "method": "auto"}
+    return _once(flow, _closed(flow, y, mode, T, _ITERATIONS, how), 1, _ITERATIONS, how)
 
 
 def _nearer(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passage, how: dict[str, Any]) -> tuple[Array, float, Any, Passage]:
@@ -251,7 +264,8 @@ def _nothing_moves(y: Array, mode: Any, T: float, guessed: float) -> str:
     )
 
 
-def _touches(done: Passage) -> str:
+def touches(done: Passage) -> str:
+    """That a passage touches a guard, and has no derivative."""
     at = ", ".join(f"{t:.9g}" for t, _, _ in done.events[-3:])
     return (
         f"the flow touches a guard without crossing it (its last switches are at t = {at}): perturbations grow there without bound, so "
@@ -296,7 +310,7 @@ def _newton_step(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passa
     It is no longer than the motion seen is large; a forced motion that hardly moves may be further from its orbit.
     """
     if not np.isfinite(done.monodromy).all():
-        raise SolveError(_touches(done))
+        raise SolveError(touches(done))
     n, A, miss, reach = len(y), done.monodromy - np.eye(len(y)), done.state - y, float((done.highest - done.lowest).max())
     if flow.period is not None:
         step, reach = np.linalg.lstsq(A, -miss, rcond=1e-12)[0], max(reach, _REACH * float(1 + abs(y).max()))
@@ -314,7 +328,7 @@ def orbit_at(flow: SwitchingFlow, strobe_state: Array, periods: int, residual: f
     """The orbit of a forced flow through a state that is known to come back; its multipliers are nan where a guard is only touched."""
     y, mode = np.asarray(strobe_state[:-1], float), list(flow.fields)[round(float(strobe_state[-1]))]
     done = passage(flow, y, mode, periods * float(flow.period))
-    notes = () if np.isfinite(done.monodromy).all() else (_touches(done),)
+    notes = () if np.isfinite(done.monodromy).all() else (touches(done),)
     return FlowOrbit(
         y, mode, periods * float(flow.period), multipliers_of(done.monodromy, done.rank_deficient), residual, done, notes, flow
     )

@@ -1,8 +1,7 @@
 """Where limit cycles are cut: a coordinate passes a value. A cycle is a state there, and a duration after which it comes back.
 
-Of one body on a spring the section is a turning point of the spring: the body moves as fast as its far end (a belt's spring: not at all),
-and slows down. That is in the middle of a slide, where the motion is smooth. Of any other machine it is a position, or a velocity, in the
-middle of its range.
+Which coordinate that is says `stickslip.analysis.section_choice`. A turning point of a spring, where the body moves as fast as the far end
+(a belt's spring: not at all), stays one while the speed varies.
 """
 
 from __future__ import annotations
@@ -12,16 +11,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stickslip.analysis.section_choice import Cut
 from stickslip.basics.contracts import Array, Model
-from stickslip.dynamics.stroboscopic.sections import halved, read
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, flow_map, state_at
 from stickslip.models.machine_adapter import machine_of
 
 if TYPE_CHECKING:
     from stickslip.results.trajectory import Trajectory
-
-
-_SLIGHT = 1e-9  # of a range: what passes a value by less is rounding
 
 
 @dataclass(frozen=True)
@@ -82,29 +78,11 @@ def far_end(model: Model) -> Array:
     return np.asarray(machine_of(model).far_end_velocity, float)
 
 
-def section_of(run: Trajectory) -> tuple[Section, str, float, float]:
-    """Where the motion at the end of a run is cut: the section, its column of the run, its value there, and the direction of passing."""
-    if machine_of(run.model).is_single:
-        return TURN, "v", float(far_end(run.model)), -1.0
-    at, t = coordinates(run.model), np.unique(run.t)
-    late = t[t >= 0.5 * (t[0] + t[-1])]
-    columns = {name: read(run, name, late) for name in at.names if name.startswith(("x.", "v.")) and name.count(".") == 1}
-    swings = {name: float(np.ptp(values)) / at.scales[at.names.index(name)] for name, values in columns.items()}
-    places = {name: swing for name, swing in swings.items() if name.startswith("x.")} or swings
-    name = max(places, key=lambda each: places[each])
-    middle = float(0.5 * (columns[name].min() + columns[name].max()))
-    steps = np.diff(columns[name])[np.diff(columns[name] > middle)] / np.diff(late)[np.diff(columns[name] > middle)]
-    faster = -1.0 if len(steps) and -steps.min() > steps.max() else 1.0  # in a slide, not where it rides along
-    return Section(at.names.index(name), middle), name, middle, faster
-
-
-def returns(run: Trajectory, column: str, value: float, direction: float) -> Array:
-    """The instants at which a column of a run passes a value."""
-    t = np.unique(run.t)
-    beyond = (read(run, column, t) - value) * direction
-    size = _SLIGHT * max(float(abs(beyond).max()), 1e-300)
-    where = np.flatnonzero((beyond[:-1] < 0) & (beyond[1:] >= 0) & (np.maximum(abs(beyond[:-1]), abs(beyond[1:])) > size))
-    return halved(run, column, value, t[where], t[where + 1], direction * np.ones(len(where)))
+def section_of(model: Model, cut: Cut) -> Section:
+    """The section of a cycle that is cut there: a turning point of the spring is kept as such, and goes with the speed of its far end."""
+    if machine_of(model).is_single and cut.name == "v" and cut.value == float(np.max(far_end(model))):
+        return TURN
+    return Section(coordinates(model).names.index(cut.name), float(cut.value))
 
 
 def states_of_returns(run: Trajectory, t: Array) -> Array:

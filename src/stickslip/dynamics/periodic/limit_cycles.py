@@ -8,14 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.analysis.section_choice import cut_of, passages
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, SolveError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible
 from stickslip.dynamics.derivatives.tangents import jacobian_of
 from stickslip.dynamics.periodic.closed_orbits import ClosedMotion, multipliers_of, resting
-from stickslip.dynamics.periodic.cycle_sections import TURN, Section, returns, section_of, states_of_returns
+from stickslip.dynamics.periodic.cycle_sections import TURN, Section, section_of, states_of_returns
 from stickslip.dynamics.periodic.newton import newton_within
+from stickslip.dynamics.stroboscopic.chosen_sections import turns_shown
 from stickslip.dynamics.stroboscopic.differences import difference_jacobian
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, largest_size
 from stickslip.models.machine_adapter import machine_of
@@ -30,6 +32,7 @@ _SETTLING = 60  # periods of the free oscillation that a guess is run for
 _LONGER, _REPEATS = (1, 4, 16), 1e-3  # times that, of machines with slow states; a distance in scales
 _STEADY = 1e-6  # of the velocity scale: what changes its velocity by less slides steadily
 _EARLIER = 1e-7  # in scales: a state that comes so near to itself before its turns are over is on a shorter cycle
+_MOST = 33  # returns in which it is looked for how many turns a cycle has
 _SAMPLES = 1200  # looks at a run of that length, times ten
 
 
@@ -138,16 +141,16 @@ class LimitCycle(ClosedMotion):
 
 
 @interruptible
-def limit_cycle(model: Model, period: int = 1, guess: Any = None, *, rtol: float = 1e-12, tolerance: float = 1e-12) -> LimitCycle:
+def limit_cycle(model: Model, period: int | None = None, guess: Any = None, *, rtol: float = 1e-12, tolerance: float = 1e-12) -> LimitCycle:
     """A limit cycle of a mechanism without a drive, stable or unstable, by Newton's method for its state and its duration.
 
     Parameters
     ----------
     model : mechanism or machine
         One without a period, such as `BlockOnBelt`, `PulledMass`, or a `Joint` with a controller that hunts about a constant target.
-    period : int
-        Turns of the spring, or returns to the section, after which the motion repeats. A cycle that repeats after fewer is given with its
-        own number, and a note.
+    period : int, optional
+        Turns of the spring, or returns to the section, after which the motion repeats; as many as the run shows if not given. A cycle that
+        repeats after fewer is given with its own number, and a note.
     guess : dict, Trajectory or LimitCycle, optional
         A start that leads to it, a run that ends on it, or a cycle nearby; if not given, a run from rest.
     rtol, tolerance : float
@@ -166,7 +169,7 @@ def limit_cycle(model: Model, period: int = 1, guess: Any = None, *, rtol: float
     >>> round(cycle.mean_velocity, 12), round(cycle.duration, 10)  # the same cycle, seen from the ground
     (0.1, 7.6112592541)
     """
-    state, duration, section = _guessed(model, period, guess)
+    state, duration, section, period = _guessed(model, period, guess)
     at, unit = coordinates(model), clock(model)
 
     def problem(memory: Array) -> Any:
@@ -211,10 +214,10 @@ def clock(model: Model) -> float:
 
 
 # ---- guesses ----
-def _guessed(model: Model, period: int, guess: Any) -> tuple[Array, float, Section]:
-    """A state on the section, and how long it takes to come back."""
+def _guessed(model: Model, period: int | None, guess: Any) -> tuple[Array, float, Section, int]:
+    """A state on the section, how long it takes to come back, and after how many turns."""
     if isinstance(guess, LimitCycle):
-        return guess.state, guess.duration, guess.section
+        return guess.state, guess.duration, guess.section, guess.period if period is None else period
     if machine_of(model).time_scale is None:
         raise InputError(type(model).__name__, ["it has neither a period nor a time_scale, so the time to search for a cycle is not known"])
     if hasattr(guess, "pieces"):
@@ -232,18 +235,19 @@ def _settled(model: Model, start: Any) -> Any:
     options: dict[str, Any] = {"rtol": 1e-8} if machine_of(model).has_inner_states else {}
     for longer in (1,) if machine_of(model).is_single else _LONGER:
         run = solve(model, duration=longer * _SETTLING * clock(model), start=start, samples=longer * _SAMPLES, **options)
-        _, column, value, direction = section_of(run)
-        t = returns(run, column, value, direction)
+        t = passages(run, cut_of(run))
         if len(t) > 2 and coordinates(model).distance(*states_of_returns(run, t[-2:])) < _REPEATS:
             break
     return run
 
 
-def _last_turn(run: Trajectory, period: int) -> tuple[Array, float, Section]:
+def _last_turn(run: Trajectory, period: int | None) -> tuple[Array, float, Section, int]:
     """The last state of a run on the section, and how long its last turns took."""
-    section, column, value, direction = section_of(run)
-    t = returns(run, column, value, direction)
+    cut = cut_of(run)
+    t = passages(run, cut)
     speed = coordinates(run.model).speed
+    if period is None:
+        period = turns_shown(coordinates(run.model), states_of_returns(run, t[-_MOST:])) if len(t) > 2 else 1
     steady = len(t) < 2 or float(np.max(np.ptp(run.with_axes.at(np.linspace(t[-2], t[-1], 64))["v"], axis=0))) <= _STEADY * speed
     if steady or len(t) < period + 2:
         end = "it rests, or slides on steadily" if steady else f"only {len(t)} oscillations were found"
@@ -251,4 +255,4 @@ def _last_turn(run: Trajectory, period: int) -> tuple[Array, float, Section]:
             f"no cycle was found in {float(run.pieces.t[-1]):.6g} s: {end}; give another start (guess=dict(x=..., v=...)), or a longer run "
             "(guess=ss.solve(mechanism, duration=...))"
         )
-    return states_of_returns(run, t[-1:])[0], float(t[-1] - t[-1 - period]), section
+    return states_of_returns(run, t[-1:])[0], float(t[-1] - t[-1 - period]), section_of(run.model, cut), period

@@ -16,6 +16,7 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible
 from stickslip.basics.variables import unit_of
 from stickslip.dynamics.derivatives.tangents import changes_along, jacobian_of, not_followed, orders_differ
+from stickslip.dynamics.flows.flow_cycles import cycle_of_flow, cycle_shown
 from stickslip.dynamics.flows.flow_orbits import FlowOrbit, flow_orbit
 from stickslip.dynamics.periodic.closed_orbits import NEUTRAL, ClosedMotion, multipliers_of, resting
 from stickslip.dynamics.periodic.cycle_sections import TURN, Section
@@ -200,7 +201,7 @@ def periodic_orbit(model: Model, *arguments: Any, **more: Any) -> PeriodicOrbit 
 @explains_arguments
 @interruptible
 def periodic_orbit(
-    model: Model, period: int = 1, guess: Any = None, *, rtol: float = RTOL, tolerance: float = 1e-12
+    model: Model, period: int | None = None, guess: Any = None, *, rtol: float = RTOL, tolerance: float = 1e-12
 ) -> PeriodicOrbit | LimitCycle | FlowOrbit:
     """A periodic motion of a robot or mechanism, stable or unstable, by Newton's method on the strobe map.
 
@@ -210,9 +211,9 @@ def periodic_orbit(
     ----------
     model : Robot, mechanism, machine or SwitchingFlow
         One of them.
-    period : int
-        Drive periods after which the motion repeats; without a drive, oscillations (a cycle that repeats after fewer is given once, and
-        its `notes` say so).
+    period : int, optional
+        Drive periods after which the motion repeats, 1 if not given; without a drive, oscillations, as many as the run shows if not given
+        (a cycle that repeats after fewer is given once, and its `notes` say so).
     guess : dict, array, Trajectory or PeriodicOrbit, optional
         Initial guess: a start as for `solve`, a strobe state, a run (its last strobe state) or a neighbouring orbit. If not given, the
         robot is run from rest, and the strobe states that return most closely are tried, and their means (which lead to the unstable motion
@@ -240,14 +241,18 @@ def periodic_orbit(
     (False, -2.625)
     """
     autonomous = is_machine(model) and model.period is None
-    needs_model("periodic_orbit", model, driven=not autonomous, flows=True)
+    needs_model("periodic_orbit", model, driven=not autonomous, flows=True, sections=True)
     problems = Problems("periodic_orbit")
-    problems.whole("period", period, 1, example=1, what=" of drive periods")
+    if period is not None:
+        problems.whole("period", period, 1, example=1, what=" of drive periods")
     problems.check()
-    if is_flow(model):
-        return _orbit_of_flow(model, int(period), guess)
     if autonomous:
-        return limit_cycle(model, int(period), guess, rtol=rtol, tolerance=tolerance)
+        return limit_cycle(model, period, guess, rtol=rtol, tolerance=tolerance)
+    if model.period is None:
+        return cycle_shown(model, period, guess)
+    period = 1 if period is None else int(period)
+    if is_flow(model):
+        return _orbit_of_flow(model, period, guess)
     at, tried, beyond = coordinates(model), list[Root](), tuple[str, ...]()
     for state in _from_rest(model, int(period), at) if guess is None else [states_of(guess, model)[0]]:
         root = _solve(model, int(period), state, rtol, tolerance)
@@ -268,6 +273,8 @@ def orbit_near(model: Model, period: int, state: Array, at: Coordinates) -> Peri
     if at.section is None:
         return periodic_orbit(model, period, guess=state)
     took = float(strobe_map(model, state[None, :], period, 1e-10, at).duration[0])
+    if is_flow(model):
+        return cycle_of_flow(model, state, took, at)
     turns = machine_of(model).is_single and at.section.name == "v"
     section = TURN if turns else Section(at.section.index, float(at.section.value))
     return limit_cycle(model, period, LimitCycle(model, period, state, took, np.nan, RTOL, section=section))

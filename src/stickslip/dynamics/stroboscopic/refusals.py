@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.analysis.state_order import order_of
 from stickslip.basics.batch import cases_of
 from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import leaves
 from stickslip.dynamics.derivatives.forward_ad import slopes_of, variables
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, largest_size
-from stickslip.dynamics.stroboscopic.strobe_states import order_of
 from stickslip.models.machine_adapter import is_machine, machine_of
 from stickslip.models.switching_flow import is_flow
 
@@ -20,7 +20,7 @@ from stickslip.models.switching_flow import is_flow
 def needs_model(what: str, model: Model, driven: bool = True, batch: bool = False, flows: bool = False, sections: bool = False) -> None:
     """Say what to type where something else than one robot (or, with `batch`, than one or many) was given; `flows` may be given too.
 
-    With `sections` a machine without a period is looked at on a section.
+    With `sections` a machine or flow without a period is looked at on a section.
     """
     flow = is_flow(model)
     if flow and not flows:
@@ -38,7 +38,8 @@ def needs_model(what: str, model: Model, driven: bool = True, batch: bool = Fals
         mistake = f"the {kind} is a batch (some of its numbers are arrays); allowed is one {kind}; type each number as a single value"
         raise InputError(what, [mistake])
     if flow:
-        _needs_period(what, model)
+        if not sections:
+            _needs_period(what, model)
         return
     driven = driven and not (sections and model.period is None)
     if driven and model.period is None:

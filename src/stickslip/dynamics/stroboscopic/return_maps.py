@@ -2,6 +2,7 @@
 
 It is for such a model what the strobe map is for a driven one, with returns in place of drive periods. A start that is not on the section
 runs to it first. Where a motion does not come back within the longest time of a return, that run is one return as well: it may stand still.
+Which section it is says `stickslip.dynamics.stroboscopic.chosen_sections`.
 """
 
 from __future__ import annotations
@@ -15,11 +16,11 @@ import numpy as np
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.status import Status
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, Ends, coordinates, map_method, spread_over
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, Ends, map_method, spread_over
 from stickslip.models.machine_adapter import machine_of
+from stickslip.models.switching_flow import is_flow
 
 _ON = 1e-9  # of a coordinate's scale: a start that is so near to the section is on it
-LONGEST_RETURN = 60.0  # times the model's own time: how long a return may take before it is one that does not come back
 
 
 @sealed
@@ -38,11 +39,15 @@ class ReturnSection:
         +1 where it rises through it, -1 where it falls.
     longest : array (cases,) or float
         The time after which a motion has not come back [s].
+    turns : int
+        How many returns the map makes at once.
+    begun : array or None
+        The start whose run showed the section, if one did.
 
     Examples
     --------
     >>> ReturnSection("v", 1, 0.0, -1.0, 60.0)
-    ReturnSection(name='v', index=1, value=0.0, direction=-1.0, longest=60.0)
+    ReturnSection(name='v', index=1, value=0.0, direction=-1.0, longest=60.0, turns=1, begun=None)
     """
 
     name: str
@@ -50,6 +55,12 @@ class ReturnSection:
     value: Any
     direction: float
     longest: Any
+    turns: int = 1
+    begun: Any = None
+
+    def starts(self, rest: Array) -> Array:
+        """Where motions begin if no start is given: at rest, or where the run began that showed the section."""
+        return rest if self.begun is None else np.tile(self.begun, (len(rest), 1))
 
     def map_of(self, model: Model, rtol: float, at: Coordinates) -> Callable[[Array, int], Ends]:
         """The return map of a model, for `strobe_map`."""
@@ -60,52 +71,26 @@ class ReturnSection:
         value, longest = (each[cases] if np.ndim(each) else each for each in (self.value, self.longest))
         return replace(self, value=value, longest=longest)
 
+    @property
+    def asked(self) -> tuple[str, float, float]:
+        """The section as `section=` takes it; of a batch its first case."""
+        return self.name, float(np.ravel(self.value)[0]), self.direction
 
-def on_section(model: Model, at: Coordinates | None = None) -> Coordinates:
-    """The coordinates of a model, and, where it has no period, the section on which its motions are looked at.
-
-    Of one body on a spring the section is a turning point: the body moves as fast as the spring's far end, and slows down. Of any other
-    machine it is the velocity that swings most along a run from rest, in the middle of its range.
-
-    Examples
-    --------
-    >>> import stickslip as ss
-    >>> at = on_section(ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0, f_plus=1.5, f_minus=1.5)))
-    >>> at.section.name, float(at.section.value), at.section.direction
-    ('v', 0.0, -1.0)
-    """
-    at = coordinates(model) if at is None else at
-    if model.period is not None:
-        return at
-    machine = machine_of(model)
-    longest = LONGEST_RETURN * np.asarray(machine.time_scale, float)
-    if machine.is_single:
-        return replace(at, section=ReturnSection("v", at.names.index("v"), np.asarray(machine.far_end_velocity, float), -1.0, longest))
-    return replace(at, section=_of_the_widest_swing(model, at, longest))
-
-
-def _of_the_widest_swing(model: Model, at: Coordinates, longest: Any) -> ReturnSection:
-    """The velocity that swings most in the second half of a run from rest, and the middle of its range; of a batch of its first case."""
-    from stickslip.basics.batch import cases_of
-    from stickslip.solvers import solve
-
-    one = cases_of(model)[0]
-    run = solve(one, duration=float(np.max(longest)), keep="trajectory")
-    late = run.t >= 0.5 * run.t[-1]
-    m = machine_of(one).mechanics
-    u = np.array(m.coordinates_of(tuple(np.moveaxis(np.asarray(run.with_axes.v)[late], -1, 0))))
-    widest = int(np.argmax(np.ptp(u, axis=1)))
-    index = at.order.velocities.start + widest
-    return ReturnSection(at.names[index], index, float(0.5 * (u[widest].min() + u[widest].max())), -1.0, longest)
+    def __str__(self) -> str:
+        values = np.unique(self.value)
+        where = f"{values[0]:.6g}" if len(values) == 1 else f"values from {values[0]:.6g} to {values[-1]:.6g}"
+        return f"{self.name} {'rises' if self.direction > 0 else 'falls'} through {where}"
 
 
 def return_map(model: Model, rtol: float, at: Coordinates) -> Callable[[Array, int], Ends]:
     """The return map of a model as a function of states, one for each case of the model, and of returns."""
     table: Any = None
+    if is_flow(model):
+        return lambda states, returns: _returned_by_flow(model, states, returns * at.section.turns, at)
 
     def mapped(states: Array, returns: int) -> Ends:
         nonlocal table
-        ends, table = _returned(spread_over(model, len(states)), states, returns, rtol, at, table)
+        ends, table = _returned(spread_over(model, len(states)), states, returns * at.section.turns, rtol, at, table)
         return ends
 
     return mapped
@@ -150,6 +135,21 @@ def _returned(model: Model, states: Array, returns: int, rtol: float, at: Coordi
         state[:, 0] -= np.where(good, machine_of(model).far_end_velocity * duration, 0.0)
     status = np.where(returned, int(Status.FINISHED), results.status)
     return Ends(state, way, status, results.wide_max + offset, results.wide_min + offset, duration=duration), table
+
+
+def _returned_by_flow(flow: Any, states: Array, returns: int, at: Coordinates) -> Ends:
+    """The same of a flow that switches. It makes no way."""
+    from stickslip.solvers.flow_engine import returned
+
+    section, n = at.section, len(states)
+    y, value = np.array(states[:, :-1], float), np.broadcast_to(np.asarray(section.value, float), (n,))
+    near = abs(y[:, section.index] - value) <= _ON * at.scales[section.index]
+    y[near, section.index] = value[near]
+    span = returns * np.broadcast_to(np.asarray(section.longest, float), (n,))
+    ends = returned(flow, y, np.round(states[:, -1]), (section.index, section.direction, value), returns, span)
+    none = np.full(n, np.nan)
+    modes = np.where(ends.modes < 0, np.nan, ends.modes)
+    return Ends(np.column_stack([ends.states, modes]), np.zeros(n), ends.status, none, none, duration=ends.duration)
 
 
 def _column(at: Coordinates, kernel: Any) -> int:

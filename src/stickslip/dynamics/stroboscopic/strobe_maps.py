@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.analysis.state_order import Order, coordinates_in, numbered_names, order_of
 from stickslip.basics.batch import cases_of, labels_of, spread_over_cases
 from stickslip.basics.contracts import Array, ArrayLike, Model
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.basics.frozen_arrays import sealed
-from stickslip.dynamics.stroboscopic.strobe_states import Order, numbered_names, order_of
 from stickslip.models.forces import inner_start
 from stickslip.models.machine_adapter import MachineAdapter, machine_of
 from stickslip.models.switching_flow import is_flow
@@ -280,13 +280,14 @@ def strobe_map(
 
 def _map_of(model: Model, rtol: float, at: Coordinates | None) -> Callable[[Array, int], Ends]:
     """The strobe map of a model as a function of as many states each time, and of periods; what it depends on is asked once."""
-    if is_flow(model):
-        return partial(_of_flow, model)
-    machine = machine_of(model)
-    refuse_chance(machine)
+    if not is_flow(model):
+        refuse_chance(machine_of(model))
     if at is not None and at.section is not None:
         returned: Callable[[Array, int], Ends] = at.section.map_of(model, rtol, at)
         return returned
+    if is_flow(model):
+        return lambda states, periods: _of_flow(model, states, periods * np.asarray(model.period, float))
+    machine = machine_of(model)
     if not all(law.compiles for law in machine.laws):
         return lambda states, periods: _one_by_one(model, states, periods, rtol)
     return partial(_by_arcs, model) if has_arcs(model) else _map_by_lanes(model, rtol, coordinates(model) if at is None else at)
@@ -405,14 +406,14 @@ def coordinates_of_flow(flow: Any) -> Coordinates:
     return Coordinates((*flow.states, "mode"), np.append(np.ones(n) if flow.scales is None else flow.scales, 1.0), order, 1)
 
 
-def _of_flow(flow: Any, states: Array, periods: int) -> Ends:
-    """The same of a flow that switches. It makes no way."""
+def _of_flow(flow: Any, states: Array, duration: Any) -> Ends:
+    """The states of a flow that switches after some time. It makes no way."""
     from stickslip.solvers.flow_engine import ends, unknown
     from stickslip.solvers.flow_solving import untraced
 
     if why := unknown(flow, states.shape[1] - 1):
         raise InputError("SwitchingFlow", [untraced(why)])
-    y, modes, status = ends(flow, states[:, :-1], np.round(states[:, -1]), periods * np.asarray(flow.period, float))
+    y, modes, status = ends(flow, states[:, :-1], np.round(states[:, -1]), duration)
     none = np.full(len(states), np.nan)
     return Ends(np.column_stack([y, np.where(modes < 0, np.nan, modes)]), np.zeros(len(states)), status, none, none)
 
@@ -427,11 +428,14 @@ def flow_map(model: Any, states: Array, duration: Any, rtol: float = 1e-12) -> E
     >>> flow_map(belt, [[0.0, 0.1], [0.0, 0.1]], [1.0, 2.0]).state.round(12).tolist()  # it rides along
     [[0.1, 0.1], [0.2, 0.1]]
     """
+    states = np.atleast_2d(np.asarray(states, float))
+    if is_flow(model):
+        return _of_flow(model, states, np.asarray(duration, float))
     if not all(law.compiles for law in machine_of(model).laws):
         raise InputError(
             type(model.friction).__name__, ["it cannot be compiled, and cycles are looked for by the compiled solvers; take another law"]
         )
-    return _ended(model, *run_lanes(model, np.atleast_2d(np.asarray(states, float)), 1, rtol, np.asarray(duration, float)), 1)
+    return _ended(model, *run_lanes(model, states, 1, rtol, np.asarray(duration, float)), 1)
 
 
 def _by_arcs(model: Model, states: Array, periods: int) -> Ends:
@@ -482,14 +486,6 @@ def state_at(run: Any, t: float) -> Array:
         return np.array([states[name] for name in run.names])
     run, times = run.with_axes, np.array([t])
     return np.column_stack(coordinates_in(run.model, *run._states_at(times, run._index(times))))[0]
-
-
-def coordinates_in(model: Model, x: Any, v: Any, z: Any) -> list[Array]:
-    """The coordinates of a machine, without memories, from columns of a run: (time, body) and (time, contact, state)."""
-    m = machine_of(model).mechanics
-    q, u = (m.coordinates_of(tuple(np.reshape(each, (len(v), -1)).T)) for each in (x, v))
-    inner = [np.reshape(z, (len(v), len(m.inner), -1))[:, i, k] for i, count in enumerate(m.inner) for k in range(count)]
-    return order_of(model).joined(q, u, inner)
 
 
 def position_of(run: Trajectory) -> Array:

@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
+from stickslip.analysis.state_order import coordinates_in
 from stickslip.basics.batch import numbers_by_name
 from stickslip.basics.contracts import Array, Model, Numeric
 from stickslip.dynamics.derivatives.tangents import Follower
 from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates_in
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates
 from stickslip.engine.graphs import Along
 from stickslip.engine.observed import LEAST, MOST
 from stickslip.engine.observing import WAY

@@ -10,12 +10,14 @@ import numpy as np
 
 from stickslip.basics.contracts import Array
 from stickslip.dynamics.continuation.following.pseudo_arclength import Path, Point
+from stickslip.dynamics.flows.flow_cycles import cycle_at
 from stickslip.dynamics.periodic.cycle_sections import TURN, Section
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle
 from stickslip.dynamics.periodic.newton import Root
 from stickslip.dynamics.stroboscopic.strobe_maps import state_at
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
+from stickslip.models.switching_flow import is_flow
 
 _WELL = 1e-11  # residual of the cycles that are used
 _NEAR, _ERRORS = 10, 4.0  # cycles from which it is continued, and standard errors
@@ -42,7 +44,7 @@ class CyclePath(Path):
 
     def inner(self, orbit: Any) -> Array:
         """The unknowns of a cycle besides the parameters."""
-        return self.section.unknowns(self.at, orbit.state, orbit.duration, self.unit)
+        return self.section.unknowns(self.at, orbit.strobe_state, orbit.duration, self.unit)
 
     def later(self, orbit: Any) -> Array:
         """The same unknowns half a cycle later, where that is a turn of the spring too: else no numbers."""
@@ -86,14 +88,19 @@ class CyclePath(Path):
         from stickslip.solvers import solve
 
         cycle = self.orbit(Root(u, 0.0, 0, np.empty((0, 0)), True, "", memory))
+        if is_flow(cycle.model):
+            run = solve(cycle.model, duration=2 * cycle.duration, start=cycle.state, mode=cycle.mode, keep="trajectory")
+            return run, cycle.duration, cycle.duration
         options: dict[str, Any] = {"rtol": self.rtol} if machine_of(cycle.model).has_inner_states else {}
         run = solve(cycle.model, duration=2 * cycle.duration, start=cycle.start, keep="trajectory", **options)
         return run, cycle.duration, cycle.duration
 
-    def orbit(self, root: Root) -> LimitCycle:
+    def orbit(self, root: Root) -> Any:
         """The cycle at a point."""
         model, u = self.robot(root.at), root.at[: self.at.smooth]
         state = self.section.states(model, self.at, u[None, :], root.memory)[0]
+        if is_flow(model):
+            return cycle_at(model, state, float(u[-1] * self.unit), root.residual, self.section, self.period)
         return LimitCycle(model, self.period, state, float(u[-1] * self.unit), root.residual, self.rtol, section=self.section)
 
 

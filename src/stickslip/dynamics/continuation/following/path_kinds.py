@@ -12,13 +12,13 @@ from stickslip.dynamics.periodic.limit_cycles import LimitCycle, clock
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 
 if TYPE_CHECKING:
-    from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
+    pass
 
 
 _TOLERANCE = 1e-12
 
 
-def path_of(family: Family, orbit: PeriodicOrbit | LimitCycle, origin: Any, span: Numeric, period: int | None = None) -> Path:
+def path_of(family: Family, orbit: Any, origin: Any, span: Numeric, period: int | None = None) -> Path:
     """The path of motions like this one.
 
     Parameters
@@ -31,4 +31,7 @@ def path_of(family: Family, orbit: PeriodicOrbit | LimitCycle, origin: Any, span
         Drive periods after which the motions repeat; those of the orbit if not given.
     """
     same = (family, orbit.period if period is None else period, coordinates(orbit.model), origin, span, orbit.rtol, _TOLERANCE)
-    return CyclePath(*same, clock(orbit.model), orbit.section) if isinstance(orbit, LimitCycle) else Path(*same)
+    if orbit.model.period is not None:
+        return Path(*same)
+    unit = clock(orbit.model) if isinstance(orbit, LimitCycle) else orbit.duration
+    return CyclePath(*same, unit, orbit.section)

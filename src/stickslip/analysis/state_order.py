@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError
 from stickslip.engine.lanes import layout_of, needed_positions
@@ -101,6 +103,14 @@ def _of_layout(layout: StateLayout, kept: tuple[int, ...]) -> Order:
 def numbered_names(name: str, count: int) -> tuple[str, ...]:
     """Names of so many numbers of one kind."""
     return (name,) if count == 1 else tuple(f"{name}{i}" for i in range(count))
+
+
+def coordinates_in(model: Model, x: Any, v: Any, z: Any) -> list[Array]:
+    """The coordinates of a machine, without memories, from columns of a run: (time, body) and (time, contact, state)."""
+    m = machine_of(model).mechanics
+    q, u = (m.coordinates_of(tuple(np.reshape(each, (len(v), -1)).T)) for each in (x, v))
+    inner = [np.reshape(z, (len(v), len(m.inner), -1))[:, i, k] for i, count in enumerate(m.inner) for k in range(count)]
+    return order_of(model).joined(q, u, inner)
 
 
 _ANY = "type ss.periodic_orbit(machine), ss.continuation or ss.basins, which take any machine"

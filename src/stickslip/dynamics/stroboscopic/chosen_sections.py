@@ -1,0 +1,233 @@
+"""The section on which the motions of a model without a period are looked at: as `section=` says, or as a run shows it."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from stickslip.analysis.section_choice import Asked, Cut, asked_of, cut_of, passages, state_names, states_in
+from stickslip.basics.batch import cases_of
+from stickslip.basics.contracts import Array, Model
+from stickslip.basics.errors import InputError, Problems, StickslipError
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.dynamics.stroboscopic.return_maps import ReturnSection
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, flow_map, state_at, state_at_rest
+from stickslip.models.machine_adapter import machine_of
+from stickslip.models.switching_flow import is_flow
+
+LONGEST_RETURN = 60.0  # times the model's own time: how long a return may take before it is one that does not come back
+LONGEST_CYCLE = 16  # turns after which a cycle may repeat
+_ALIKE, _SAME = 10.0, 1e-9  # times the nearest, and in scales: a return that comes as near as that
+_TRIED = 6  # starts from which a run may show an oscillation, and as many that are scattered about rest
+_STILL = 1e-6  # of the scales: what moves by less in the second half of a run has come to rest
+_LASTING = 0.9  # of the swing in the third quarter of a run: a swing in the last that does not die out
+_ENOUGH = 5  # passages in the second half of a run that show how long returns take
+_FIRST, _DOUBLED = 32.0, 13  # times the time in which a flow first moves by its scales: how long its run is, and how often it is doubled
+_LOOKS = 240  # instants at which a batch is looked at, in the second half of a run, for the middle of a range
+
+
+def on_section(
+    model: Model, at: Coordinates | None = None, *, section: Any = None, turns: int = 1, states: Any = None, what: str = "section"
+) -> Coordinates:
+    """The coordinates of a model, and, where it has no period, the section on which its motions are looked at.
+
+    Which it is says `stickslip.analysis.section_choice`, from the run of the first start that oscillates; of a batch its value is in the
+    middle of the range of each case. A motion that does not come back within sixty of the machine's own times, or of the returns of
+    that run, has not come back.
+
+    Parameters
+    ----------
+    model : Robot, machine or SwitchingFlow
+        One, or a batch of them.
+    section : str or tuple, optional
+        Another section: the name of a state, alone or with the value that it passes and the direction (1 or -1).
+    turns : int
+        After how many returns the map looks again.
+    states : array (starts, coordinates), optional
+        Starts from which a run may show where to look; rest if not given.
+    what : str
+        Who asks, for messages.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> at = on_section(ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0, f_plus=1.5, f_minus=1.5)))
+    >>> at.section.name, float(at.section.value), at.section.direction
+    ('v', 0.0, -1.0)
+    """
+    at = coordinates(model) if at is None else at
+    if model.period is not None:
+        if section is not None or turns != 1:
+            given = "section" if section is not None else "turns"
+            allowed = "allowed is a machine or flow without a period; its motions are looked at once in each drive period"
+            raise InputError(what, [f"{given} is given, and the model has a period; {allowed}; leave {given} out"])
+        return at
+    problems = Problems(what)
+    problems.whole("turns", turns, 1, example=1)
+    problems.check()
+    asked, one = asked_of(what, section, state_names(model)), cases_of(model)[0]
+    begun: Any = None
+    values: Any
+    if turning := _where_the_spring_turns(model, asked):
+        cut, longest, values = *turning, turning[0].value
+    else:
+        shown = shown_by_a_run(one, at, asked, states)
+        cut, longest, lasting, begun = shown.cut, shown.longest, shown.span, shown.begun if shown.oscillates else None
+        values = _middles(model, at, cut, lasting, shown.begun) if len(cases_of(model)) > 1 and asked.value is None else cut.value
+    index = at.names.index(cut.name)
+    return replace(at, section=ReturnSection(cut.name, index, values, cut.direction, longest, int(turns), begun))
+
+
+def _where_the_spring_turns(model: Any, asked: Asked) -> tuple[Cut, Any] | None:
+    """Of one body on a spring its turning point, with the longest return; None of anything else, or where something else is asked for."""
+    if is_flow(model) or not machine_of(model).is_single:
+        return None
+    machine = machine_of(model)
+    far, longest = np.asarray(machine.far_end_velocity, float), LONGEST_RETURN * np.asarray(machine.time_scale, float)
+    if asked.value is None and asked.name in (None, "v"):
+        return Cut("v", far, -1.0), longest  # type: ignore[arg-type]
+    if asked.name != "v" and np.any(far):
+        mistake = f"section = {asked.name!r}, which goes on with the spring's far end"
+        raise InputError("section", [f"{mistake}; allowed is the velocity; type section=('v', 0.0)"])
+    return None
+
+
+@sealed
+class Shown:
+    """What the run of a start shows: the section, the longest time of a return, how long the run was, and whether it oscillates.
+
+    `begun` and `end` are the states at its start and its end.
+    """
+
+    cut: Cut
+    longest: float
+    span: float
+    oscillates: bool
+    run: Any
+    begun: Array
+    end: Array
+
+
+def shown_by_a_run(model: Any, at: Coordinates, asked: Asked, states: Any = None, only: bool = False) -> Shown:
+    """What the run of the first start shows that oscillates; where none does, that of the first that there is: all its states stand still.
+
+    With `only` no other starts are tried than those that are given.
+    """
+    first: Shown | None = None
+    for state in np.atleast_2d(states) if only else _tried(model, at, states):
+        with suppress(StickslipError):
+            shown = _shown(model, at, asked, state)
+            if shown.oscillates:
+                return shown
+            first = shown if first is None else first
+    if first is None:
+        raise InputError(
+            type(model).__name__,
+            ["no run from rest, or from the starts, could be followed, so no section is known on which its motions could be looked at; "
+             "give starts on its motions, or section=(name, value)"],
+        )  # fmt: skip
+    return first
+
+
+def _tried(model: Any, at: Coordinates, states: Any) -> Array:
+    """Starts whose runs may show an oscillation: some of those that are given, rest, and some about it."""
+    from scipy.stats import qmc
+
+    rest = state_at_rest(model, at)[:1]
+    given = rest if states is None else np.atleast_2d(np.asarray(states, float))
+    some = given[np.unique(np.linspace(0, len(given) - 1, _TRIED).round().astype(int))]
+    spread, about = qmc.Halton(at.smooth, scramble=False).fast_forward(1).random(_TRIED), np.tile(rest, (_TRIED, 1))
+    about[:, : at.smooth] += 2.0 * (2.0 * spread - 1.0) * at.scales[: at.smooth]
+    return np.vstack([some, rest, about])
+
+
+def _shown(model: Any, at: Coordinates, asked: Asked, state: Array) -> Shown:
+    """What the run of one start shows."""
+    if not is_flow(model):
+        longest = LONGEST_RETURN * float(np.max(_time_of(model)))
+        run = _run_of(model, at, state, longest)
+        cut = cut_of(run, asked)
+        return Shown(cut, longest, longest, _moves(run, at, cut), run, state, state_at(run, float(run.pieces.t[-1])))
+    span = _FIRST * _begins_in(model, at, state)
+    for k in range(_DOUBLED + 1):
+        run = _run_of(model, at, state, span)
+        cut = cut_of(run, asked)
+        t = passages(run, cut)
+        late = t[t >= 0.5 * span]
+        if len(late) >= _ENOUGH and _moves(run, at, cut):
+            return Shown(cut, LONGEST_RETURN * float(np.diff(late).max()), span, True, run, state, _end_of(run))
+        if k == _DOUBLED or _rests(run, at):
+            break
+        span *= 2.0
+    return Shown(cut, span, span, False, run, state, _end_of(run))
+
+
+def _end_of(run: Any) -> Array:
+    """The state at the end of a flow's run, with the place of its mode."""
+    return np.append(run.state, list(run.model.fields).index(run.mode))
+
+
+def _time_of(model: Any) -> Any:
+    """A typical time of a machine [s]; an error where none is known."""
+    time = machine_of(model).time_scale
+    if time is None:
+        mistake = "it has neither a period nor a time_scale, so the time within which its motions come back is not known"
+        raise InputError(type(model).__name__, [f"{mistake}; give the class a time_scale, such as time_scale = 1.0"])
+    return time
+
+
+def _run_of(model: Any, at: Coordinates, state: Array, duration: float) -> Any:
+    """The run of a start."""
+    from stickslip.solvers import solve
+
+    if is_flow(model):
+        return solve(model, duration=duration, start=state[:-1], mode=list(model.fields)[round(float(state[-1]))], keep="trajectory")
+    return solve(model, duration=duration, start=at.start(state), keep="trajectory")
+
+
+def _late(run: Any) -> dict[str, Array]:
+    """The states in the second half of a run."""
+    t = np.unique(run.t)
+    return states_in(run, t[t >= 0.5 * (t[0] + t[-1])])
+
+
+def _rests(run: Any, at: Coordinates) -> bool:
+    """Whether no state moves in the second half of a run, but for rounding."""
+    return all(np.ptp(column) <= _STILL * at.scales[at.names.index(name)] for name, column in _late(run).items())
+
+
+def _moves(run: Any, at: Coordinates, cut: Cut) -> bool:
+    """Whether the coordinate of a section still passes it in the second half of a run, by more than rounding, and does not die out."""
+    column = _late(run)[cut.name]
+    early, last = (np.ptp(part) for part in np.split(column, [len(column) // 2]))
+    moves = last > _LASTING * early and last > _STILL * at.scales[at.names.index(cut.name)]
+    return bool(moves and column.min() < cut.value < column.max())
+
+
+def _begins_in(flow: Any, at: Coordinates, state: Array) -> float:
+    """The time in which a flow first moves by the scale of one of its states; 1 where it stands still."""
+    field = flow.plain.fields[list(flow.fields)[round(float(state[-1]))]]
+    rates = abs(np.array(field(0.0, list(state[:-1])), float)) / (at.scales[: at.smooth] + abs(state[:-1]))
+    return float(1.0 / rates.max()) if np.isfinite(rates).all() and rates.max() > 0.0 else 1.0
+
+
+def _middles(model: Model, at: Coordinates, cut: Cut, span: float, begun: Array) -> Array:
+    """The middle of the range of each case of a batch late in runs from one start; that of the first where a case does not move."""
+    index = at.names.index(cut.name)
+    states = flow_map(model, np.tile(begun, (len(cases_of(model)), 1)), 0.5 * span).state
+    low, high = states[:, index], states[:, index]
+    for _ in range(_LOOKS):
+        states = flow_map(model, states, 0.5 * span / _LOOKS).state
+        low, high = np.fmin(low, states[:, index]), np.fmax(high, states[:, index])
+    moves = high - low > _STILL * at.scales[index]
+    return np.where(moves, 0.5 * (low + high), cut.value)
+
+
+def turns_shown(at: Coordinates, points: Array) -> int:
+    """After how many turns the last of some points on a section comes back most nearly; of several alike the fewest."""
+    most = min(LONGEST_CYCLE, len(points) - 1)
+    misses = np.array([float(at.distance(points[-1], points[-1 - p])) for p in range(1, most + 1)])
+    return 1 + int(np.argmax(misses <= _ALIKE * misses.min() + _SAME))
