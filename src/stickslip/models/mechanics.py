@@ -30,6 +30,8 @@ class Mechanics(Protocol):
     contacts: tuple[str, ...]
     stops: tuple[Any, ...] = ()  # those with restitution
     named_stops: Sequence[tuple[str, Any]] = ()  # all of them
+    elastic: Sequence[tuple[Any, Any]] = ()  # links and elastic stops, with the bodies that they join
+    prescribed: Sequence[tuple[Any, Any]] = ()  # links that keep a distance
     controllers: Controllers = NO_CONTROLLERS
 
     @property

@@ -106,7 +106,7 @@ class LimitCycle(ClosedMotion):
     def mean_velocity(self) -> float:
         """Mean velocity [m/s]: 0 on a belt, the speed of the pull; of several bodies that of their centre of mass."""
         x = self.run.with_axes.at(np.array([0.0, self.duration]))["x"]
-        first, last = x if np.ndim(x) == 1 else way_of_machine(self.model, x)
+        first, last = way_of_machine(self.model, x)
         return float((last - first) / self.duration)
 
     def _begins(self, pattern: str) -> int:

@@ -182,7 +182,7 @@ class PeriodicOrbit(ClosedMotion):
 
     def __repr__(self) -> str:
         state = ", ".join(f"{name} = {value:.9g}" for name, value in zip(self.names, self.state, strict=True))
-        single = machine_of(self.model).is_single
+        single = self.run.pieces.layout.single
         kind = f"type {self.type}" if single else ", ".join(f"{name} {pattern}" for name, pattern in self.patterns.items())
         return (
             f"<PeriodicOrbit: period {self.period}, {kind}, V = {self.mean_velocity:.9g} m/s, "

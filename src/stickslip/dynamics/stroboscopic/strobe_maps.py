@@ -453,7 +453,7 @@ def _one_by_one(model: Model, states: Array, periods: int, rtol: float) -> Ends:
     runs = [flight(case, state, periods, rtol) for case, state in zip(cases, states, strict=True)]
     ends = np.array([strobe_states(run)[-1] for run in runs])
     way = np.array([position_of(run)[-1] - position_of(run)[0] for run in runs])
-    if not machine_of(model).is_single:
+    if not runs[0].pieces.layout.single:
         none = np.full(len(runs), np.nan)
         return Ends(ends, way, np.zeros(len(runs), int), none, none)
     top, low = (np.array([extreme(run.v) for run in runs]) for extreme in (np.max, np.min))

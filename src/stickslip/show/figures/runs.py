@@ -50,7 +50,7 @@ def only_run(run: Trajectory) -> Any:
 
 def _parts(run: Trajectory, dim: str) -> list[str]:
     """Names of the bodies or contacts of a machine with several; empty for a robot or a bench."""
-    return [] if machine_of(run.model).is_single else names_of_parts(run.with_axes)[dim]
+    return [] if run.pieces.layout.single else names_of_parts(run.with_axes)[dim]
 
 
 def _by_part(runs: list[Any], names: list[str], dim: str) -> list[tuple[str, int, Any]]:

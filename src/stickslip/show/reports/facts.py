@@ -20,7 +20,7 @@ Row = tuple[str, ...]
 
 def facts(run: Trajectory) -> list[tuple[str, str]]:
     """Names and values for the page of a run."""
-    if not machine_of(run.model).is_single:
+    if not run.pieces.layout.single:
         return _of_machine(run)
     return _of_robot(run) if run.model.period is not None else _of_bench(run)
 
@@ -146,7 +146,7 @@ def _mean(works: Any, settle: int) -> float:
 
 def tables(run: Trajectory) -> list[dict[str, Any]]:
     """Tables of the bodies, contacts, links and stops of a machine of several bodies; empty for a single body."""
-    if machine_of(run.model).is_single:
+    if run.pieces.layout.single:
         return []
     return tables_of((_bodies(run), _contacts(run), _links(run)))
 

@@ -124,11 +124,10 @@ def _standing_on(mechanics: Any) -> dict[str, str | None]:
 def _columns(run: Trajectory, at: dict[str, Any]) -> Iterator[tuple[dict[str, Any], Any, Any]]:
     """Each body with its position and velocity; for a robot also its inner masses, without velocities."""
     parts = stage(run.model)
-    single = machine_of(run.model).is_single
     for i, part in enumerate(parts[: len(run.bodies)]):
-        yield part, at["x"] if single else at["x"][:, i], at["v"] if single else at["v"][:, i]
+        yield part, at["x"][:, i], at["v"][:, i]
     for part, (_, drive) in zip(parts[len(run.bodies) :], machine_of(run.model).inner_masses, strict=True):
-        yield part, at["x"] + drive.position(at["t"]), None
+        yield part, at["x"][:, 0] + drive.position(at["t"]), None
 
 
 def _body(part: dict[str, Any], x: Array, v: Any, at: dict[str, Any]) -> dict[str, Any]:
@@ -146,10 +145,7 @@ def _lifts(run: Trajectory, at: dict[str, Any]) -> dict[str, list[float]]:
 
 def _links(model: Model) -> list[list[int]]:
     """Pairs of linked bodies by index, with 1 for elastic links and 0 for others; the ground is -1."""
-    machine = machine_of(model)
-    if machine.is_single:
-        return []
-    mechanics: Any = machine.mechanics
+    mechanics: Any = machine_of(model).mechanics
     number = {None: -1, **{name: i for i, name in enumerate(mechanics.bodies)}}
     joined = [(ends, 1) for ends, _ in mechanics.elastic] + [(ends, 0) for ends, _ in mechanics.prescribed]
     return [[number[a], number[b], gives] for (a, b), gives in joined if (a, b) in mechanics.model.links()]

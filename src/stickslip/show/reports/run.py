@@ -55,7 +55,7 @@ def run_page(run: Trajectory, title: str, command: str = "", dimensionless: bool
     return page(
         "run.html",
         title=title,
-        what="robot" if is_robot else "mechanism" if machine_of(run.model).is_single else "machine",
+        what="robot" if is_robot else "mechanism" if run.pieces.layout.single else "machine",
         driven=run.model.period is not None,
         rows=facts(run),
         tables=tables(run),
@@ -78,7 +78,7 @@ def _figures(run: Trajectory) -> list[Figure]:
     from stickslip.show import figures as plot
     from stickslip.show.reports import run_charts
 
-    driven, several = run.model.period is not None, not machine_of(run.model).is_single
+    driven, several = run.model.period is not None, not run.pieces.layout.single
     over = "three drive periods" if driven else "the run"
     shaded = "" if several else "; shaded where the contact sticks"
     kind = "Drive force and friction" if machine_of(run.model).drive is not None else "Friction"

@@ -62,7 +62,8 @@ def _shown(run: Trajectory, periods: float) -> tuple[float, float]:
 def _columns(run: Trajectory, periods: float, names: tuple[str, ...]) -> tuple[Any, list[Any], list[tuple[float, float]], tuple[str, str]]:
     """Times from the start of the span, columns, intervals of sticking, and the label of the time axis."""
     (start, end), (factor, unit) = _shown(run, periods), _clock(run)
-    columns = [samples_over(run.with_axes, start, end, name) for name in names]
-    rested = sticking_intervals(run, start, end) if machine_of(run.model).is_single else []
+    alone = run.pieces.layout.single
+    columns = [samples_over(run if alone else run.with_axes, start, end, name) for name in names]
+    rested = sticking_intervals(run, start, end) if alone else []
     shade = [(factor * (a - start), factor * (b - start)) for a, b in rested]
     return factor * (columns[0][0] - start), [y for _, y in columns], shade, ("time t", unit)

@@ -50,7 +50,6 @@ def act(asked: Namespace) -> Outcome:
     study = subject(asked.robot, asked.settings)
     robot = study.robot()
 
-    from stickslip.models.machine_adapter import machine_of
     from stickslip.solvers import solve
 
     before = len(complete_before)
@@ -59,7 +58,7 @@ def act(asked: Namespace) -> Outcome:
     if len(complete_before) > before:
         raise KeyboardInterrupt("run was interrupted: the motion is computed, and what it is was not looked for")
     make, tell = (_record, _text) if robot.period is not None else (timed.record, timed.as_text)
-    make, tell = (make, tell) if machine_of(robot).is_single else (bodies.record, bodies.as_text)
+    make, tell = (make, tell) if run.pieces.layout.single else (bodies.record, bodies.as_text)
     record = make(study, run, written)
     return Outcome(record, lambda: tell(record))
 
