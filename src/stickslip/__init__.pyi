@@ -178,6 +178,7 @@ from .models.machines import (
     ForcedOscillator as ForcedOscillator,
     Gait as Gait,
     Joint as Joint,
+    Link as Link,
     Machine as Machine,
     MovingTrack as MovingTrack,
     PulledMass as PulledMass,

@@ -121,8 +121,9 @@ def test_what_is_written_is_what_is_solved(name):
     R = [0.05 * (i + 1) for i in range(len(parts.contacts))]
     numbers = {text_of(letters.symbols[k]): v for k, v in leaves(model)} | {"t": 0.004}
     numbers |= {text_of(s): value for of, values in ((parts.x, q), (parts.v, u)) for s, value in zip(of, values, strict=True)}
-    for ends, part, letter in parts.pulls:
-        numbers[text_of(letter)] = value(text_of(part.force(parts.distance(ends, parts.x), parts.distance(ends, parts.v))), numbers)
+    for ends, pull, letter in parts.tensions:
+        tension = pull(symbol("t", 0), parts.distance(ends, parts.x), parts.distance(ends, parts.v))
+        numbers[text_of(letter)] = value(text_of(tension), numbers)
     wanted = model.mechanics.accelerations(0.004, q, u, R)
     found = parts.accelerations(symbol("t", 0), parts.x, parts.v, R)
     for mass, a, expected in zip(parts.masses, found, wanted, strict=True):

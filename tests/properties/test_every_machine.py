@@ -158,7 +158,7 @@ def test_energy_of_several_bodies_is_balanced_to_rounding():
 
     soft, hits = (ss.solve(cls(300.0, DRY), periods=30) for cls in (Capsule, OnBelt))
     assert ss.energy(soft).damping[-1] > 0.1 * ss.energy(soft).friction[-1]
-    lost = [loss for _, loss, _ in lost_at_hits(hits, hits.model.mechanics)]
+    lost = [loss for _, loss, _, _ in lost_at_hits(hits, hits.model.mechanics)]
     assert max(lost) > 1e-3 * ss.energy(hits).drive[-1]
     assert max(ss.energy(run).worst for run in (soft, hits)) < 1e-10  # exact runs: rounding of some hundred steps in a period
 

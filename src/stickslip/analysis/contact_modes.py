@@ -90,8 +90,9 @@ def _pressed(run: Any, mechanics: Any, ends: Any, stop: Any, start: float, end: 
     """Where the gap of one stop is closed."""
 
     def is_closed(t: Array) -> Array:
-        x = run._states_at(t, run._index(t))[0]
-        return np.broadcast_to(stop.gap_left(mechanics.distance(ends, x.T)), t.shape) < 0.0
+        index = run._index(t)
+        x = run._states_at(t, index)[0]
+        return np.broadcast_to(stop.gap_left(mechanics.distance(ends, x.T), run._within(t, index)), t.shape) < 0.0
 
     nodes = np.append(run.pieces.t, 0.5 * (run.pieces.t[1:] + run.pieces.t[:-1]))  # a touch may be shorter than the grid
     t = np.union1d(np.linspace(start, end, _GRID), nodes[(nodes > start) & (nodes < end)])

@@ -140,9 +140,10 @@ def energy(run: Trajectory) -> Energy:
         low, high = np.minimum(low, lower), np.maximum(high, higher)
     for (when, jump), row in zip(run._impulses, _rows(run, borders), strict=True):
         _add_impulse(run, works, when, jump, row)
-    for when, loss, stop in lost_at_hits(run, mechanics):
-        row = np.clip(np.searchsorted(borders, when, side="right") - 1, 0, count - 1)
+    for when, loss, given, stop in lost_at_hits(run, mechanics):
+        row = _row_of_hit(run, borders, when)
         of_parts["damping"].setdefault(stop, np.zeros(count))[row] += loss
+        works["drive"][row] += given
     for when, taken, given, contact in at_landings(run, mechanics):
         row = np.clip(np.searchsorted(borders, when, side="right") - 1, 0, count - 1)
         of_parts["friction"][contact][row] += taken
@@ -227,6 +228,13 @@ def _rows(run: Trajectory, borders: Array) -> Array:
     return np.clip(np.searchsorted(borders, times - slack, side="right") - 1, 0, len(borders) - 2)
 
 
+def _row_of_hit(run: Trajectory, borders: Array, when: float) -> int:
+    """The row of a hit: one at a known instant comes with it, so on a border it belongs to what ends there."""
+    slack = 0.0 if run.model.period is None else 1e-9 * run.period_time
+    known = any(abs(when - t) <= slack for t, _ in run._impulses)
+    return int(np.clip(np.searchsorted(borders, when - (slack if known else 0.0), side="right") - 1, 0, len(borders) - 2))
+
+
 def _powers(run: Trajectory, t: Array, index: Array) -> dict[str, Array]:
     """Power of each force [W]."""
     x, v, z = run._states_at(t, index)
@@ -236,6 +244,8 @@ def _powers(run: Trajectory, t: Array, index: Array) -> dict[str, Array]:
 def _add_impulse(run: Trajectory, works: dict[str, Array], t: float, jump: Any, row: int) -> None:
     """Work of an impulse: what the kinetic energy gains; that of an actuator is its force on the mass that it throws."""
     machine = machine_of(run.model)
+    if machine.mechanics.stops and not np.any(jump):  # a body that is hit there is thrown by its stop
+        return
     before, after = (int(run._index(t + d * run.period_time)) for d in (-1e-12, 1e-12))
     v = run._states_at(np.array([min(t, run.pieces.t[before + 1])]), np.array([before]))[1][0]
     later = run._states_at(np.array([t]), np.array([after]))[1][0] if after > before else v + jump

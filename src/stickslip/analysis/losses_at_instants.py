@@ -9,24 +9,34 @@ import numpy as np
 from stickslip.models.powers import label_of_stop
 
 if TYPE_CHECKING:
-    from stickslip.models.mechanics import Mechanics
     from stickslip.results.trajectory import Trajectory
 
 
-def lost_at_hits(run: Trajectory, mechanics: Mechanics) -> list[tuple[float, float, str]]:
-    """Instants at which stops throw bodies back, the kinetic energy that is lost there [J], and the stops' names."""
+def lost_at_hits(run: Trajectory, mechanics: Any) -> list[tuple[float, float, float, str]]:
+    """Instants at which stops throw bodies back, the energy that is lost there and what stops that move give [J], and the stops' names."""
     if not mechanics.stops or len(run.pieces.mode) < 2:
         return []
     nodes, later = run.pieces.t[1:-1], np.arange(1, len(run.pieces.mode))
     before, after = (run._states_at(nodes, index)[1] for index in (later - 1, later))
-    thrown = np.any(before != after, axis=1) & ~np.isin(nodes, [t for t, _ in run._impulses])
+    thrown = np.any(before != after, axis=1) & ~np.isin(nodes, [t for t, jump in run._impulses if np.any(jump)])
     thrown[[node - 1 for node, _ in run._flights]] = False
     lost = mechanics.kinetic(before) - mechanics.kinetic(after)
-    struck: dict[int, list[str]] = {}
+    struck, given = dict[int, list[str]](), dict[int, float]()
     for node, event in run._hits:
         struck.setdefault(node, []).append(label_of_stop(mechanics, event.part))
+        stop = next(stop for stop in mechanics.stops if stop.name == event.part)
+        if stop.part.at is not None:
+            jump = mechanics.distance(stop.ends, after[node - 1]) - mechanics.distance(stop.ends, before[node - 1])
+            inverse = sum(h * h / float(mass) for h, mass in zip(stop.direction, mechanics.masses, strict=True))
+            wall = float(stop.part.motion.velocity(float(run._within(nodes[node - 1], node))))
+            given[node] = given.get(node, 0.0) + float(jump) / inverse * wall
     other = [label_of_stop(mechanics, mechanics.stops[0].name)]  # a rate of the gap too small for an event
-    return [(float(nodes[i]), float(lost[i]), " and ".join(struck.get(int(later[i]), other))) for i in np.flatnonzero(thrown)]
+    which = [(int(i), int(later[i])) for i in np.flatnonzero(thrown)]
+    gains = [given.get(node, 0.0) for _, node in which]
+    return [
+        (float(nodes[i]), float(lost[i]) + gain, gain, " and ".join(struck.get(node, other)))
+        for (i, node), gain in zip(which, gains, strict=True)
+    ]
 
 
 def at_landings(run: Any, mechanics: Any) -> list[tuple[float, float, float, str]]:

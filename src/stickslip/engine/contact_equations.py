@@ -11,8 +11,9 @@ from stickslip.engine.flight import add_flight, add_take_off_and_landing, side_i
 from stickslip.engine.pressed import Pressed, add_pressed, pressed_stops, settled_apart, settles, shut_at
 from stickslip.engine.refused import groups_of
 from stickslip.engine.symbolic import Symbolic
-from stickslip.engine.symbols import Sym
+from stickslip.engine.symbols import Sym, TraceError
 from stickslip.engine.system import Branches, TracedContact
+from stickslip.engine.values import needed_by
 
 _NEAR = 1e-15  # of the velocity scale: what rounding makes of a slip that is a difference, and that begins without acceleration
 
@@ -174,6 +175,7 @@ def add_stop(parts: Assembly, stop: Any) -> None:
     graph, one, zero = m.graph, m.graph.constant(1.0), m.graph.constant(0.0)
     p = next((each for each in m.pressed if each.stop is stop), None)
     rate, e, gap = m.lift(stop.rate(m.t, m.v)), m.lift(stop.restitution), m.lift(stop.gap(m.t, m.places))
+    _check_instants(m, stop)
     if p is None:
         over = settled_apart(parts, stop, rate)
     else:
@@ -193,6 +195,16 @@ def add_stop(parts: Assembly, stop: Any) -> None:
         parts.events.append((graph.select(closed, -one, one), {}, {}, Status.CHATTERS))
     parts.hits[stop] = len(parts.events), -impulse
     parts.events.append((gap, modes, states, 0))
+
+
+def _check_instants(m: Symbolic, stop: Any) -> None:
+    """`TraceError` for a stop that moves and whose velocity jumps at an instant that nobody names: there it is hit, or left."""
+    of_time = () if stop.part.at is None else needed_by([m.lift(stop.part.motion.velocity(m.t))])
+    if any(node.op == "flag" and node.name.startswith("clk") for node in of_time) and not stop.part.instants:
+        raise TraceError(
+            f"the motion of the stop {stop.name} has conditions on time, and it does not name their instants; "
+            "type breaks=(...) [s] of the Stop"
+        )
 
 
 def _mass_at(parts: Assembly, stop: Any) -> Sym:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import sympy
@@ -19,17 +20,6 @@ from stickslip.models.several_bodies import SeveralBodies
 _MANY = 4  # contacts of one block that are listed; of more, the first and the last
 
 
-class _Pull:
-    """A link or an elastic stop as one symbol, whose formula is written on a line of its own."""
-
-    def __init__(self, letter: Formula):
-        self.letter = letter
-
-    def force(self, distance: Any, rate: Any) -> Formula:
-        """The symbol of its tension."""
-        return self.letter
-
-
 class _Parts(SeveralBodies):
     """A machine of parts whose bodies' positions and velocities are symbols of their own, and whose links are."""
 
@@ -37,10 +27,10 @@ class _Parts(SeveralBodies):
         super().__init__(model)
         self.index = dict(zip(self.bodies, indices(self.bodies), strict=True))
         self.x, self.v = _states(list(self.index.values()))
-        self.pulls = [
-            (ends, part, _pull(self.index, ends, [e for e, _ in self.elastic[:k]])) for k, (ends, part) in enumerate(self.elastic)
-        ]
-        self.elastic = [(ends, _Pull(letter)) for ends, _, letter in self.pulls]
+        ends_of = [ends for ends, _ in self.elastic]
+        letters = [_pull(self.index, ends, ends_of[:k]) for k, ends in enumerate(ends_of)]
+        self.tensions = list(zip(ends_of, self.pulls, letters, strict=True))
+        self.pulls = [partial(_letter, letter) for letter in letters]
 
     def positions(self, t: Any, q: Numbers) -> tuple[Any, ...]:
         return self.x
@@ -152,9 +142,9 @@ def _of_links(mechanics: _Parts) -> list[str]:
     """Tensions, prescribed distances and hits."""
     t = symbol("t", 0)
     lines = []
-    for ends, part, letter in mechanics.pulls:
+    for ends, pull, letter in mechanics.tensions:
         distance, rate = mechanics.distance(ends, mechanics.x), mechanics.distance(ends, mechanics.v)
-        lines += _tension(part, distance, rate, text_of(letter))
+        lines += _tension(partial(pull, t), distance, rate, text_of(letter))
     for (first, second), link in mechanics.prescribed:
         start = mechanics.parts[first].position - mechanics.parts[second].position
         distance = mechanics.distance((first, second), mechanics.x)
@@ -164,19 +154,28 @@ def _of_links(mechanics: _Parts) -> list[str]:
             " - ".join(rf"{subscripted('v', mechanics.index[end])}^{sign}" for end in stop.ends if end is not None) for sign in ("+", "-")
         )
         given = before if stop.ends[1] is None else rf"\left({before}\right)"
-        where = f"{text_of(mechanics.distance(stop.ends, mechanics.x))} = {text_of(stop.part.side * expression_of(stop.part.gap))}"
+        where = f"{text_of(mechanics.distance(stop.ends, mechanics.x))} = {text_of(stop.part.side * expression_of(stop.part.reach(t)))}"
+        if stop.part.at is not None:
+            wall = text_of(expression_of(stop.part.motion.velocity(t)))
+            lines.append(rf"{after} &= {wall} - {text_of(stop.restitution)} \left({before} - \left({wall}\right)\right), && {where}")
+            continue
         lines.append(f"{after} &= - {text_of(stop.restitution)} {given}, && {where}")
     return lines
 
 
-def _tension(part: Any, distance: Any, rate: Any, letter: str) -> list[str]:
+def _letter(letter: Formula, t: Any, distance: Any, rate: Any) -> Formula:
+    """The symbol of a tension, in place of its formula."""
+    return letter
+
+
+def _tension(pull: Any, distance: Any, rate: Any, letter: str) -> list[str]:
     """The formula of a tension; where it distinguishes cases, in the distance d, which has a line of its own."""
-    force = expression_of(part.force(distance, rate))
+    force = expression_of(pull(distance, rate))
     if not force.has(sympy.Piecewise, sympy.Max, sympy.Min):
         return [f"{letter} &= {text_of(force)}"]
     marks = letter[1:].lstrip("'")
     d, moving = (symbol(own + marks, 0) for own in ("d", r"\dot d"))
-    return [f"{letter} &= {text_of(part.force(d, moving))}", f"{text_of(d)} &= {text_of(distance)}"]
+    return [f"{letter} &= {text_of(pull(d, moving))}", f"{text_of(d)} &= {text_of(distance)}"]
 
 
 def _of_contacts(mechanics: Any, letters: Letters) -> list[str]:

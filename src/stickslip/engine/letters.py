@@ -10,6 +10,7 @@ from typing import Any
 import sympy
 
 from stickslip.basics.contracts import Numeric
+from stickslip.basics.time_rates import defers_to_moving
 from stickslip.engine.symbols import FUNCTIONS
 
 _LONGEST = 10**12  # denominators of decimals that are taken as they are written
@@ -32,6 +33,7 @@ class Letter(sympy.Symbol):
         return self.class_key(), (1, (str(self),)), sympy.S.One.sort_key(), sympy.S.One
 
 
+@defers_to_moving
 class Formula:
     """A SymPy expression that laws, drives and machines take for a number."""
 

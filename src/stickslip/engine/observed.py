@@ -67,7 +67,7 @@ def _of_stops(parts: Assembly, first_event: int) -> list[Signal]:
             signals.append(Signal((f"J.{name}",), impulse, 0, first_event + event))
         else:
             x, v = m.equations.positions(m.t, m.places), m.equations.velocities(m.t, m.v)
-            signals.append(Signal((f"F.{name}",), m.lift(stop.pressed(x, v)), MOST | COUNTED))
+            signals.append(Signal((f"F.{name}",), m.lift(stop.pressed(x, v, m.t)), MOST | COUNTED))
     return signals
 
 

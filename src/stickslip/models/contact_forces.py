@@ -44,7 +44,7 @@ def contact_columns(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: Ar
     first, scale = 0, getattr(mechanics, "velocity_scale", None) or 0.0
     held = held_by_controllers(mechanics, np.stack(z, axis=-1) if len(z) else None)
     free = _columns(mechanics.accelerations(t, q, u, (0.0,) * len(mechanics.contacts), held), t)
-    prescribed, closed = _columns(mechanics.offset_rates(t), t), _closed(mechanics, t, q, u)
+    prescribed, closed = _columns(mechanics.offset_rates(t), t), closed_stops(mechanics, t, q, u)
     asking: dict[int, Callable[[Array], Array]] = {}
     for i, law in enumerate(mechanics.laws):
         own, first = tuple(memory[first : first + law.modes]), first + law.modes
@@ -95,7 +95,7 @@ def held_by_controllers(mechanics: Mechanics, z: Any) -> tuple[Array, ...]:
     return tuple(z[:, first + i, k] for i, count in enumerate(mechanics.controllers.counts) for k in range(count))
 
 
-def _closed(mechanics: Mechanics, t: Array, q: ArrayLike, u: ArrayLike) -> Array:
+def closed_stops(mechanics: Mechanics, t: Array, q: ArrayLike, u: ArrayLike) -> Array:
     """Whether each stop with restitution is closed at each instant: its gap and the gap's rate are zero within a tolerance."""
     if not mechanics.stops:
         return np.zeros((len(t), 0), bool)

@@ -14,6 +14,7 @@ from stickslip.basics.fields import Frozen
 from stickslip.basics.maths import maximum, minimum, pi, sqrt
 from stickslip.models.controllers import Controllers
 from stickslip.models.friction.law_adapter import LawAdapter, adapted
+from stickslip.models.links_in_time import pull_of, sees_time
 from stickslip.models.mechanics import Mechanics, Numbers, signed_less
 from stickslip.models.powers import names_of_links, powers
 
@@ -35,19 +36,21 @@ class Stopper:
 
     def gap(self, t: Numeric, q: Numbers) -> Any:
         """The distance left until they touch [m]."""
-        return self.part.gap_left(self.mechanics.distance(self.ends, self.mechanics.positions(t, q)))
+        return self.part.gap_left(self.mechanics.distance(self.ends, self.mechanics.positions(t, q)), t)
 
     def rate(self, t: Numeric, u: Numbers) -> Any:
         """How fast the gap opens [m/s]."""
-        return -self.part.side * self.mechanics.distance(self.ends, self.mechanics.velocities(t, u))
+        rate = self.mechanics.distance(self.ends, self.mechanics.velocities(t, u))
+        return -self.part.side * rate if self.part.at is None else -self.part.closes_at(rate, t)
 
-    def pressed(self, x: Numbers, v: Numbers) -> Any:
+    def pressed(self, x: Numbers, v: Numbers, t: Numeric) -> Any:
         """How strongly an elastic stop pushes its ends apart [N], from the positions and velocities of the bodies."""
-        return self.part.side * self.part.force(self.mechanics.distance(self.ends, x), self.mechanics.distance(self.ends, v))
+        return self.part.side * self.part.force(self.mechanics.distance(self.ends, x), self.mechanics.distance(self.ends, v), t)
 
     def offset_rate(self, t: Numeric) -> Any:
-        """The contribution of prescribed distances to the acceleration of the gap [m/s^2]."""
-        return -self.part.side * self.mechanics.distance(self.ends, self.mechanics._arms("acceleration", t))
+        """The contribution of prescribed distances, and of a stop that moves, to the acceleration of the gap [m/s^2]."""
+        arms = -self.part.side * self.mechanics.distance(self.ends, self.mechanics._arms("acceleration", t))
+        return arms if self.part.at is None else arms + self.part.side * self.part.motion.acceleration(t)
 
 
 class SeveralBodies(Mechanics):
@@ -67,6 +70,7 @@ class SeveralBodies(Mechanics):
         self.prescribed = [(ends, link) for ends, each in links.items() for link in each if not _is_elastic(link)]
         walls = [(ends, stop) for ends, each in model.stops().items() for stop in several(each)]
         self.elastic_stops = [(ends, stop) for ends, stop in walls if stop.restitution is None]
+        self.pulls = [pull_of(link) for _, link in self.elastic] + [stop.pull for _, stop in self.elastic_stops]
         self.elastic += self.elastic_stops
         self.groups, self.arms = _groups(self.bodies, self.prescribed)
         self.coordinate = {name: c for c, group in enumerate(self.groups) for name in group}
@@ -143,12 +147,15 @@ class SeveralBodies(Mechanics):
             part = 1.0 if len(self.groups[c]) == 1 else body.mass / self.masses[c]
             jumps += [(instant, tuple(part * jump if j == c else 0.0 for j in range(n))) for instant, jump in body.jumps]
         instants = [instant for motion in self._motions for instant, _ in getattr(motion, "jumps", None) or ()]
+        instants += [instant for stop in self.stops for instant in stop.part.instants]  # one that is closed may be left, or be hit
         return (*jumps, *((instant, (0.0,) * n) for instant in instants))  # there slips jump, and no coordinate does
 
     @property
     def breaks(self) -> tuple[Any, ...]:
         """Instants in (0, period) at which applied forces, prescribed distances or motions are not smooth [s]."""
-        own = [s for part in (*self.parts.values(), *self._motions) for s in getattr(part, "breaks", None) or ()]
+        links = (link for _, link in self.elastic[: len(self.elastic) - len(self.elastic_stops)])
+        own = [s for part in (*self.parts.values(), *self._motions, *links) for s in getattr(part, "breaks", None) or ()]
+        own += [s for _, stop in self.named_stops for s in stop.part.instants]
         return (*own, *(getattr(self.model, "breaks", None) or ()))
 
     @property
@@ -185,7 +192,7 @@ class SeveralBodies(Mechanics):
             t = time * (k / _LOOKS)
             for a in self.accelerations(t, start, still, (0.0,) * len(self.contacts)):
                 largest = maximum(largest, abs(a) * time / (2 * pi))
-            for b in self.offsets(t):
+            for b in (*self.offsets(t), *(stop.part.motion.velocity(t) for _, stop in self.named_stops if stop.part.at is not None)):
                 largest = maximum(largest, abs(b))
         return largest
 
@@ -205,8 +212,8 @@ class SeveralBodies(Mechanics):
         controlled = self.controllers.forces(t, x, v, self.controllers.start(t, x, v) if z is None else z)
         for name, force in (*self.model.forces(t, dict(x), dict(v)).items(), *controlled):
             total[self.coordinate[name]] = total[self.coordinate[name]] + force
-        for ends, link in self.elastic:
-            tension = link.force(_distance(ends, x), _distance(ends, v))
+        for (ends, _), pull in zip(self.elastic, self.pulls, strict=True):
+            tension = pull(t, _distance(ends, x), _distance(ends, v))
             for c, g in self._entries(*ends):
                 total[c] = signed_less(total[c], g, tension)
         for contact, force in zip(self.joints.values(), R, strict=True):
@@ -300,7 +307,14 @@ class SeveralBodies(Mechanics):
         controllers, prescribed distances, jumps, breaks, forces of their own, contacts between bodies or with what has a motion.
         """
         x, v = self._named(0.0, self.start, (0.0,) * len(self.groups))
-        others = self.named_stops or self.controllers.names or self.prescribed or self.breaks or self.jumps
+        others = (
+            any(sees_time(link) for _, link in self.elastic)
+            or self.named_stops
+            or self.controllers.names
+            or self.prescribed
+            or self.breaks
+            or self.jumps
+        )
         if others or dict(self.model.forces(0.0, dict(x), dict(v))):
             return None
         of: dict[str, Any] = {}

@@ -45,6 +45,8 @@ def _check(model: Model, machine: MachineAdapter | None) -> None:
     try:
         start, still, free = mechanics.start, (0.0,) * mechanics.coordinates, (0.0,) * len(mechanics.contacts)
         asked = {"load": lambda t: mechanics.loads(t, start), "acceleration": lambda t: mechanics.accelerations(t, start, still, free)}
+        if mechanics.stops:
+            asked["distance of a stop"] = lambda t: tuple(stop.gap(t, start) for stop in mechanics.stops)
         differences = {name: _missed(f, mechanics.period) for name, f in asked.items()}
     except Exception:  # what is not written for these numbers is told where it is traced
         return

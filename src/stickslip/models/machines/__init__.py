@@ -14,13 +14,13 @@ from stickslip.models.machines.forced_oscillator import ForcedOscillator
 from stickslip.models.machines.joint import Joint
 from stickslip.models.machines.machine import Machine
 from stickslip.models.machines.moving_track import MovingTrack
-from stickslip.models.machines.parts import Body, Contact, Gait, Rigid, Spring, Stop
+from stickslip.models.machines.parts import Body, Contact, Gait, Link, Rigid, Spring, Stop
 from stickslip.models.machines.pid import PID
 from stickslip.models.machines.pulled_mass import PulledMass
 
 __all__ = [
-    "MECHANISMS", "PID", "BlockOnBelt", "Bodies", "Body", "Chain", "Contact", "Forced", "ForcedOscillator", "Gait", "Joint", "Machine",
-    "MovingTrack", "PulledMass", "Rigid", "Spring", "Stop",
+    "MECHANISMS", "PID", "BlockOnBelt", "Bodies", "Body", "Chain", "Contact", "Forced", "ForcedOscillator", "Gait", "Joint", "Link",
+    "Machine", "MovingTrack", "PulledMass", "Rigid", "Spring", "Stop",
 ]  # fmt: skip
 
 _OF_ONE_CONTACT = (BlockOnBelt, ForcedOscillator, PulledMass)

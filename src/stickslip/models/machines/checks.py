@@ -13,7 +13,7 @@ from stickslip.basics.quantities import GRAVITIES, Rule, positive
 from stickslip.models.controllers import NEEDS
 from stickslip.models.forces import check_law
 from stickslip.models.friction.law_adapter import adapted
-from stickslip.models.machines.parts import Body, Contact, Stop
+from stickslip.models.machines.parts import Body, Contact, Link, Stop
 
 if TYPE_CHECKING:
     from stickslip.models.friction.law_adapter import LawAdapter
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 _SLIPS, _LOADS = (-1.0, -1e-3, 1e-3, 1.0), (0.0, 1e-3, 1.0, 3.0, 100.0)  # at which laws are asked how they grow with the load
 _CLOSED = 1e-6  # of how far a prescribed distance goes: how well it has to come back after the period
+_SAME = 1e-9  # of positions: how near they have to be to the distance that is prescribed at the start
 _EXAMPLES = {
     "bodies": '{"head": ss.Body(mass=0.07)}',
     "contacts": '{"head": ss.Contact("head", ss.Coulomb(mu_plus=0.15, mu_minus=0.21))}',
@@ -178,10 +179,12 @@ def _check_joint(what: str, ends: Any, part: Any, problems: Problems) -> None:
             problems.add(f"{where} = {part!r}; allowed is a Stop; type ss.Stop(gap=0.01, restitution=0.5)")
         return
     prescribed = all(callable(getattr(part, name, None)) for name in ("position", "velocity", "acceleration"))
+    if isinstance(part, Link):  # which has been checked where it was made
+        prescribed = part.force is None
     if isinstance(part, type) or not (callable(getattr(part, "force", None)) or prescribed):
         problems.add(
-            f"{where} = {part!r}; allowed is an object with force(distance, rate), or with position(t), velocity(t) and acceleration(t) "
-            "where it prescribes the distance; type for example ss.Spring(stiffness=1200.0)"
+            f"{where} = {part!r}; allowed is an object with force(distance, rate) or force(t, distance, rate), or with position(t), "
+            "velocity(t) and acceleration(t) where it prescribes the distance; type for example ss.Spring(stiffness=1200.0)"
         )
     elif prescribed and ends[1] is None:
         problems.add(
@@ -234,6 +237,14 @@ def _check_groups(mechanics: Any, problems: Problems) -> None:
     joined = sum(len(group) - 1 for group in mechanics.groups)
     if joined < len(mechanics.prescribed):
         problems.add("links() prescribes distances in a closed loop; allowed is one path from body to body; leave one of them out")
+    for (first, second), link in mechanics.prescribed:
+        declared = mechanics.parts[first].position - mechanics.parts[second].position
+        begun = link.distance(0.0) if isinstance(link, Link) else declared
+        if not everywhere(abs(begun - declared) <= _SAME * (abs(declared) + abs(begun))):
+            problems.add(
+                f"links()[{(first, second)!r}] prescribes a distance of {describe(begun)} m at t = 0, where the positions of the "
+                f"bodies are {describe(declared)} m apart; type position={describe(begun)} for the body {first!r}"
+            )
     for ends, link in mechanics.prescribed if period is not None else ():
         begun, back = link.position(0.0), link.position(period)
         reach = abs(link.position(period / 3) - begun) + abs(link.position(period / 2) - begun)
@@ -260,7 +271,7 @@ def _check_stops(mechanics: Mechanics, problems: Problems) -> None:
     for (first, one), (second, other) in itertools.combinations(mechanics.named_stops, 2):
         if set(one.ends) != set(other.ends) or (one.part.side == other.part.side) == (one.ends == other.ends):
             continue
-        room, elastic = one.part.gap + other.part.gap, one.part.restitution is None and other.part.restitution is None
+        room, elastic = one.part.reach() + other.part.reach(), one.part.restitution is None and other.part.restitution is None
         if not everywhere(room >= 0 if elastic else room > 0):
             least = "zero or more" if elastic else "more than zero"
             problems.add(

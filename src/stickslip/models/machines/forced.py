@@ -170,12 +170,12 @@ class BodyAndMass:
 def _check_stops(stops: tuple[Stop, ...], problems: Problems) -> None:
     """Note stops that are hit at the start, that leave no way between them, or that are never reached."""
     for i, stop in enumerate(stops):
-        if not everywhere(stop.gap >= 0):
-            mistake = f"stops[{i}].gap = {stop.gap!r}: the inner mass would be beyond the stop where it begins"
+        if not everywhere(stop.reach() >= 0):
+            mistake = f"stops[{i}].gap = {stop.reach()!r}: the inner mass would be beyond the stop where it begins"
             problems.add(f"{mistake}; allowed is zero or more [m]; type side=-1 for a stop behind it")
     for i, one in enumerate(stops):
         for j, other in enumerate(stops[:i]):
-            if one.side != other.side and not everywhere(one.gap + other.gap > 0):
+            if one.side != other.side and not everywhere(one.reach() + other.reach() > 0):
                 problems.add(f"stops[{j}] and stops[{i}] leave no room between them; allowed is a gap of more than zero; type gap=0.01")
             if one.side == other.side and not _both_met(one, other):
                 problems.add(
@@ -190,4 +190,4 @@ def _both_met(one: Stop, other: Stop) -> bool:
     if one.restitution is None and other.restitution is None:
         return True
     hard, soft = (one, other) if one.restitution is not None else (other, one)
-    return bool(everywhere(hard.gap > soft.gap))
+    return bool(everywhere(hard.reach() > soft.reach()))

@@ -12,6 +12,7 @@ from stickslip.basics.errors import Problems
 from stickslip.basics.fields import Frozen
 from stickslip.models.drives.turned import Reversed
 from stickslip.models.friction.law_adapter import mirrored_law as mirrored_law
+from stickslip.models.links_in_time import sees_time
 from stickslip.models.machines.machine import Machine
 from stickslip.models.machines.parts import Body, Contact
 from stickslip.models.several_bodies import several
@@ -66,7 +67,7 @@ class Turned(Machine):
 
     def stops(self) -> Mapping[Ends, Any]:
         """The stops likewise."""
-        return {_ends(ends): _turned(ends, stop, lambda each: each.replace(side=-each.side)) for ends, stop in self.machine.stops().items()}
+        return {_ends(ends): _turned(ends, stop, _stop) for ends, stop in self.machine.stops().items()}
 
     def controllers(self) -> Mapping[str, Any]:
         """The controllers, which see the machine as it is and act the other way round here; what they hold stays."""
@@ -119,9 +120,18 @@ class _TurnedLink(Frozen):
         """That of the link [N/m]; None where it has none."""
         return getattr(self.link, "stiffness", None)
 
-    def force(self, distance: Numeric, rate: Numeric) -> Any:
-        """Tension, turned round [N]."""
-        return -self.link.force(-distance, -rate)
+    @property
+    def breaks(self) -> Any:
+        """Those of the link [s]."""
+        return getattr(self.link, "breaks", None) or ()
+
+    @property
+    def force(self) -> Any:
+        """Tension, turned round [N], by what that of the link is a function of."""
+        tension = self.link.force
+        if sees_time(self.link):
+            return lambda t, distance, rate: -tension(t, -distance, -rate)
+        return lambda distance, rate: -tension(-distance, -rate)
 
 
 class _TurnedMotion(Reversed):
@@ -145,6 +155,14 @@ def _body(body: Any) -> Body:
 def _contact(contact: Any) -> Contact:
     load = None if contact.load is None else lambda t, x: contact.normal(t, -x)
     return Contact(contact.body, mirrored_law(contact.friction), on=_on(contact.on), load=load, restitution=contact.restitution)
+
+
+def _stop(stop: Any) -> Any:
+    """A stop on the ground in the mirror."""
+    turned = stop.replace(side=-stop.side)
+    if stop.at is None:
+        return turned
+    return turned.replace(at=(lambda t: -stop.at(t)) if callable(stop.at) else _TurnedMotion(stop.at))
 
 
 def _on(on: Any) -> Any:

@@ -13,6 +13,7 @@ from stickslip.basics.maths import maximum, minimum, pi, where
 from stickslip.basics.quantities import DAMPING, LENGTH, MASS, STIFFNESS, Rule, at_least, between, holding, positive, quantity
 from stickslip.models.drives.drive_adapter import lacking
 from stickslip.models.drives.shifted import Shifted, within_one
+from stickslip.models.links_in_time import lacks_motion, motion_of, takes_arguments
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,6 +154,63 @@ class Spring(Frozen):
 
 
 @dataclass(frozen=True, eq=False)
+class Link(Frozen):
+    """A link that sees time: its force is a function of it, or it prescribes a distance that is.
+
+    Parameters
+    ----------
+    force : callable, optional
+        Tension [N], how strongly it pulls the two together, as a function of time [s], their distance [m] and its rate [m/s]. Give this,
+        or `distance`.
+    distance : callable, optional
+        The distance from the second body to the first as a function of time [m], which they keep exactly; at t = 0 it is that of the
+        bodies' `position`. Its rates are derivatives, so write it with functions from `stickslip.maths`.
+    breaks : tuple of float, optional
+        Instants in (0, period) at which it is not smooth [s]; conditions on time in a force that are written with `stickslip.maths.where`
+        are found without being named.
+
+    Examples
+    --------
+    >>> from stickslip.maths import cos, sin
+    >>> mesh = Link(force=lambda t, distance, rate: 1e4 * (1.0 + 0.2 * cos(300.0 * t)) * distance + 3.0 * rate)
+    >>> mesh.force(0.0, 1e-3, 0.0)
+    12.0
+    >>> leg = Link(distance=lambda t: 0.02 + 0.002 * sin(3.0 * t))
+    >>> leg.position(0.0), leg.velocity(0.0)
+    (0.0, 0.006)
+    """
+
+    force: Any = None
+    distance: Any = None
+    breaks: Any = None
+
+    def _check(self, problems: Problems) -> None:
+        for what, takes in (("force", ("t", "distance", "rate")), ("distance", ("t",))):
+            given, other = (getattr(self, name) for name in ((what, "distance") if what == "force" else (what, "force")))
+            if given is None and other is None:
+                problems.add(
+                    f"{what} = None and so is the other; allowed is force or distance; type force=lambda t, distance, rate: 1e3 * distance"
+                )
+                return
+            if given is not None and (other is not None or not takes_arguments(given, takes)):
+                allowed = f"a function of {', '.join(takes)}" if other is None else "one of force and distance"
+                problems.add(f"{what} = {given!r}; allowed is {allowed}; type {what}=lambda {', '.join(takes)}: ...")
+                return
+
+    def position(self, t: Numeric) -> Any:
+        """Change of a prescribed distance since the start [m]."""
+        return self.distance(t) - self.distance(0.0)
+
+    def velocity(self, t: Numeric) -> Any:
+        """Rate of a prescribed distance [m/s]."""
+        return motion_of(self.distance).velocity(t)
+
+    def acceleration(self, t: Numeric) -> Any:
+        """Rate of that [m/s^2]."""
+        return motion_of(self.distance).acceleration(t)
+
+
+@dataclass(frozen=True, eq=False)
 class Rigid(Frozen):
     """A rigid link: the two bodies move as one, each with its own contact.
 
@@ -219,43 +277,88 @@ class Stop(Frozen):
 
     Parameters
     ----------
-    gap : float
-        Distance from the second body to the first at which they touch [m].
+    gap : float, optional
+        Distance from the second body to the first at which they touch [m]. Give this, or `at`.
     restitution : float, optional
         Coefficient of restitution of an impact, from 0 to 1. Give this, or a stiffness.
     stiffness, damping : float, optional
         Of an elastic stop [N/m], [N s/m]; it pushes and never pulls.
     side : {1, -1}, optional
-        1 where the distance must stay below `gap`, -1 where it must stay above -`gap`.
+        1 where the distance must stay below `gap`, or below `at`; -1 where it must stay above -`gap`, or above `at`.
+    at : callable or motion, optional
+        Of a stop that moves the distance at which they touch [m]: a continuous function of time [s], of functions from `stickslip.maths`,
+        whose rate is its derivative, or a motion with position, velocity and acceleration, as every drive is. A hit is relative to it.
+    breaks : tuple of float, optional
+        Instants in [0, period) at which that motion is not smooth [s], where its velocity may jump.
 
     Examples
     --------
     >>> wall = Stop(gap=0.01, stiffness=1e4)
     >>> wall.gap_left(distance=0.008), wall.force(distance=0.012, rate=0.0)
     (0.002, 20.0)
+    >>> from stickslip.maths import sin
+    >>> shaken = Stop(at=lambda t: 0.01 + 0.001 * sin(200.0 * t), restitution=0.5)
+    >>> shaken.gap_left(distance=0.008, t=0.0), round(shaken.closes_at(rate=0.5, t=0.0), 9)
+    (0.002, 0.3)
     """
 
-    gap: float = field(metadata=quantity("gap of the stop", "m", r"\delta", example=0.01))
+    gap: float | None = field(default=None, metadata=quantity("gap of the stop", "m", r"\delta", example=0.01))
     restitution: float | None = field(default=None, metadata=quantity("restitution", "1", "e", example=0.5, rule=between(0.0, 1.0)))
     stiffness: float | None = field(default=None, metadata=quantity("stiffness of the stop", "N/m", "k", example=1e4, rule=positive))
     damping: float = field(default=0.0, metadata=DAMPING | {"label": "damping of the stop"})
     side: int = 1
+    at: Any = None
+    breaks: Any = None
 
     def _check(self, problems: Problems) -> None:
+        if (self.gap is None) == (self.at is None):
+            mistake = f"gap = {self.gap!r} and at = {self.at!r}; allowed is one of the two"
+            problems.add(f"{mistake}; type gap=0.01 [m], or at=lambda t: 0.01 + 0.001 * sin(200.0 * t) for a stop that moves")
+        elif self.at is not None and not callable(self.at) and (missing := lacks_motion(self.at)):
+            problems.add(f"at = {self.at!r} {missing}; allowed is a function of time, or a motion; type at=lambda t: 0.01 + 0.001 * sin(t)")
         if (self.restitution is None) == (self.stiffness is None):
             mistake = f"restitution = {self.restitution!r} and stiffness = {self.stiffness!r}; allowed is one of the two"
             problems.add(f"{mistake}; type restitution=0.5 for hits that are over at once, or stiffness=1e4 [N/m] for an elastic stop")
         if self.side not in (1, -1):
             problems.add(f"side = {self.side!r}; allowed is 1 or -1; type side=-1 for a stop on the other side")
 
-    def gap_left(self, distance: Numeric) -> Any:
-        """The remaining gap [m]; negative while an elastic stop is pressed."""
-        return self.gap - self.side * distance
+    @property
+    def motion(self) -> Any:
+        """What it does in time, with position, velocity and acceleration; None of one that does not move."""
+        return None if self.at is None else motion_of(self.at)
 
-    def force(self, distance: Numeric, rate: Numeric) -> Any:
+    @property
+    def instants(self) -> tuple[Any, ...]:
+        """Instants at which its motion is not smooth [s]."""
+        if self.at is None:
+            return ()
+        motion = self.motion
+        return (
+            *(self.breaks or ()),
+            *(getattr(motion, "breaks", None) or ()),
+            *(instant for instant, _ in getattr(motion, "jumps", None) or ()),
+        )
+
+    def pull(self, t: Numeric, distance: Numeric, rate: Numeric) -> Any:
+        """The same as `force`, by time first, as of a link that sees time [N]."""
+        return self.force(distance, rate, t)
+
+    def reach(self, t: Numeric = 0.0) -> Any:
+        """How far it is to the stop from distance zero, at an instant [m]."""
+        return self.gap if self.at is None else self.side * self.motion.position(t)
+
+    def gap_left(self, distance: Numeric, t: Numeric = 0.0) -> Any:
+        """The remaining gap [m]; negative while an elastic stop is pressed."""
+        return self.reach(t) - self.side * distance
+
+    def closes_at(self, rate: Numeric, t: Numeric = 0.0) -> Any:
+        """How fast the gap closes where the distance has a rate [m/s]."""
+        return self.side * (rate if self.at is None else rate - self.motion.velocity(t))
+
+    def force(self, distance: Numeric, rate: Numeric, t: Numeric = 0.0) -> Any:
         """Force of an elastic stop that keeps the two together as a tension does [N]; 0 while they do not touch."""
-        depth = self.side * distance - self.gap
-        return where(depth > 0, self.side * maximum(self.stiffness * depth + self.damping * (self.side * rate), 0.0), 0.0)
+        depth = self.side * distance - self.reach(t)
+        return where(depth > 0, self.side * maximum(self.stiffness * depth + self.damping * self.closes_at(rate, t), 0.0), 0.0)
 
 
 #: The links by their names in a study file.

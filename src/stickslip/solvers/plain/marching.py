@@ -137,6 +137,8 @@ class Run:
         for i in sides:
             if e.dynamic[i]:
                 self._pass_zero(i)
+        limit = _BEFORE * e.scale_of_velocity
+        sides |= {i: 1 for i, side in enumerate(before.sides) if i >= e.k and side == 0 and abs(w[i]) > limit}  # it moves otherwise now
         still = [i for i, side in enumerate(before.sides[: e.k]) if side and w[i] == 0.0]
         self.mode = conditioned(e, self.t, self.y, self.mode.moved(sides))
         self._choose(still)

@@ -90,7 +90,7 @@ def _pressed(run: Trajectory, at: dict[str, Array]) -> dict[str, tuple[int, floa
     for name, stop in mechanics.named_stops:
         if stop.part.restitution is None:
             distance, rate = mechanics.distance(stop.ends, x), mechanics.distance(stop.ends, v)
-            touching = stop.part.gap_left(distance) < 0.0
+            touching = stop.part.gap_left(distance, at["t"]) < 0.0
             begun = int(np.sum(touching & ~np.roll(touching, 1)))
-            pressed[name] = begun, float(np.max(abs(stop.part.force(distance, rate))))
+            pressed[name] = begun, float(np.max(abs(stop.part.force(distance, rate, at["t"]))))
     return pressed

@@ -1,0 +1,203 @@
+"""Functions of time with their first and second rates: numbers, arrays or symbols that carry both through plain Python."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from typing import Any
+
+from stickslip.basics import maths
+from stickslip.basics.contracts import Numeric
+
+
+class Moving:
+    """A value that varies in time, with its rate and the rate of that.
+
+    Parameters
+    ----------
+    value, rate, second : float, array or symbol
+        The value, its first and its second derivative by time.
+
+    Examples
+    --------
+    >>> t = Moving(2.0, 1.0, 0.0)
+    >>> cubic = t**3 - t / 2.0
+    >>> cubic.value, cubic.rate, cubic.second
+    (7.0, 11.5, 12.0)
+    """
+
+    __array_ufunc__ = None  # NumPy's operators leave the work to ours
+    __hash__ = None  # type: ignore[assignment]  # equality is a condition on the value, as the others are
+
+    def __init__(self, value: Any, rate: Any = 0.0, second: Any = 0.0):
+        self.value, self.rate, self.second = value, rate, second
+
+    def _through(self, value: Any, first: Any, second: Any) -> Moving:
+        """A function of it, from its value and two derivatives by its argument."""
+        return Moving(value, first * self.rate, second * (self.rate * self.rate) + first * self.second)
+
+    def __add__(self, other: Any) -> Moving:
+        b = _lift(other)
+        return Moving(self.value + b.value, self.rate + b.rate, self.second + b.second)
+
+    def __sub__(self, other: Any) -> Moving:
+        b = _lift(other)
+        return Moving(self.value - b.value, self.rate - b.rate, self.second - b.second)
+
+    def __mul__(self, other: Any) -> Moving:
+        b = _lift(other)
+        second = self.second * b.value + 2.0 * (self.rate * b.rate) + self.value * b.second
+        return Moving(self.value * b.value, self.rate * b.value + self.value * b.rate, second)
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __truediv__(self, other: Any) -> Moving:
+        return self * _lift(other)._reciprocal()
+
+    def __rtruediv__(self, other: Any) -> Moving:
+        return _lift(other) * self._reciprocal()
+
+    def _reciprocal(self) -> Moving:
+        one = 1.0 / self.value
+        return self._through(one, -(one * one), 2.0 * (one * one * one))
+
+    def __rsub__(self, other: Any) -> Moving:
+        return _lift(other) - self
+
+    def __neg__(self) -> Moving:
+        return Moving(-self.value, -self.rate, -self.second)
+
+    def __pos__(self) -> Moving:
+        return self
+
+    def __abs__(self) -> Moving:
+        return maths.where(self > 0.0, self, -self)
+
+    def __pow__(self, power: Any) -> Moving:
+        if isinstance(power, Moving):
+            return maths.exp(power * maths.log(self))
+        if isinstance(power, (int, float)) and power in (0, 1, 2):
+            return (_lift(1.0), self, self * self)[int(power)]
+        x = self.value
+        return self._through(x**power, power * x ** (power - 1.0), power * (power - 1.0) * x ** (power - 2.0))
+
+    def __rpow__(self, base: Any) -> Moving:
+        return maths.exp(self * maths.log(base))
+
+    def __lt__(self, other: Any) -> _Condition:
+        return _Condition(self.value < _lift(other).value)
+
+    def __le__(self, other: Any) -> _Condition:
+        return _Condition(self.value <= _lift(other).value)
+
+    def __gt__(self, other: Any) -> _Condition:
+        return _Condition(self.value > _lift(other).value)
+
+    def __ge__(self, other: Any) -> _Condition:
+        return _Condition(self.value >= _lift(other).value)
+
+    def __ss_within__(self, period: Any) -> Moving:
+        return Moving(maths.within(self.value, period), self.rate, self.second)
+
+
+class _Condition:
+    """A condition on values that vary; `where` asks it to choose."""
+
+    __array_ufunc__ = None
+
+    def __init__(self, holds: Any):
+        self.holds = holds
+
+    def __ss_where__(self, yes: Any, no: Any) -> Moving:
+        yes, no = _lift(yes), _lift(no)
+        return Moving(*(maths.where(self.holds, *both) for both in ((yes.value, no.value), (yes.rate, no.rate), (yes.second, no.second))))
+
+    def __and__(self, other: Any) -> _Condition:
+        return _Condition(self.holds & _holds(other))
+
+    def __or__(self, other: Any) -> _Condition:
+        return _Condition(self.holds | _holds(other))
+
+    def __invert__(self) -> _Condition:
+        return _Condition(not self.holds if isinstance(self.holds, bool) else ~self.holds)
+
+    __rand__, __ror__ = __and__, __or__
+
+
+def _holds(other: Any) -> Any:
+    return other.holds if isinstance(other, _Condition) else other
+
+
+def _lift(value: Any) -> Moving:
+    return value if isinstance(value, Moving) else Moving(value)
+
+
+def _tanh(x: Any) -> tuple[Any, Any, Any]:
+    y = maths.tanh(x)
+    slope = 1.0 - y * y
+    return y, slope, -2.0 * (y * slope)
+
+
+def _atan(x: Any) -> tuple[Any, Any, Any]:
+    slope = 1.0 / (1.0 + x * x)
+    return maths.atan(x), slope, -2.0 * (x * (slope * slope))
+
+
+def _asinh(x: Any) -> tuple[Any, Any, Any]:
+    slope = 1.0 / maths.sqrt(1.0 + x * x)
+    return maths.asinh(x), slope, -(x * (slope * slope * slope))
+
+
+def _sqrt(x: Any) -> tuple[Any, Any, Any]:
+    y = maths.sqrt(x)
+    return y, 0.5 / y, -0.25 / (x * y)
+
+
+#: Value, slope and curvature of each function of `stickslip.maths` of one argument.
+_FUNCTIONS: dict[str, Callable[[Any], tuple[Any, Any, Any]]] = {
+    "exp": lambda x: (maths.exp(x),) * 3,
+    "log": lambda x: (maths.log(x), 1.0 / x, -1.0 / (x * x)),
+    "sqrt": _sqrt,
+    "sin": lambda x: (maths.sin(x), maths.cos(x), -maths.sin(x)),
+    "cos": lambda x: (maths.cos(x), -maths.sin(x), -maths.cos(x)),
+    "sinh": lambda x: (maths.sinh(x), maths.cosh(x), maths.sinh(x)),
+    "cosh": lambda x: (maths.cosh(x), maths.sinh(x), maths.cosh(x)),
+    "tanh": _tanh,
+    "atan": _atan,
+    "asinh": _asinh,
+}
+
+
+def _hook(derivatives: Callable[[Any], tuple[Any, Any, Any]]) -> Callable[[Moving], Moving]:
+    return lambda self: self._through(*derivatives(self.value))
+
+
+for _name, _derivatives in _FUNCTIONS.items():
+    setattr(Moving, f"__ss_{_name}__", _hook(_derivatives))
+
+
+def defers_to_moving(cls: type) -> type:
+    """Decorator of a class of symbols, whose operators leave the work to a `Moving` on their right."""
+
+    def deferring(own: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+        @functools.wraps(own)
+        def operator(self: Any, other: Any) -> Any:
+            return NotImplemented if type(other) is Moving else own(self, other)
+
+        return operator
+
+    for name in ("add", "sub", "mul", "truediv", "pow", "lt", "le", "gt", "ge"):
+        setattr(cls, f"__{name}__", deferring(getattr(cls, f"__{name}__")))
+    return cls
+
+
+def with_rates(function: Callable[[Any], Any], t: Numeric) -> tuple[Any, Any, Any]:
+    """The value of a function of time at an instant, its rate, and the rate of that.
+
+    Examples
+    --------
+    >>> with_rates(lambda t: maths.sin(2.0 * t), 0.0)
+    (0.0, 2.0, -0.0)
+    """
+    moved = _lift(function(Moving(t, 1.0, 0.0)))
+    return moved.value, moved.rate, moved.second
