@@ -23,6 +23,7 @@ from stickslip.models.machines.mechanism import Mechanism
 
 #: Classes that only help others, and records that are made of others and never typed: in a registry they are not.
 OF_OTHERS = {
+    "Link",
     "BehindPlay", "BodyAndMass", "DynamicSum", "LawAdapter", "ModalSum", "PeriodicRecord", "Rigid", "Rippled", "Shifted", "SlidingSum",
     "Sum", "Together", "Turned",
 }  # fmt: skip
