@@ -1,5 +1,6 @@
 """What every test and every doctest shares: one kernel cache for the run, no windows, no litter."""
 
+import gc
 import os
 import re
 import shutil
@@ -36,6 +37,17 @@ def pytest_unconfigure(config):
         if folder is not None:
             os.environ.pop(name, None)
             shutil.rmtree(folder, ignore_errors=True)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """Modules and test items stay until the end: Python need not look for garbage among these million objects again and again."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 def pytest_terminal_summary(terminalreporter, config):

@@ -51,6 +51,12 @@ BORROWING = {{"_nrt": False}}  # the caller owns all arrays, so that Numba need 
 OPTIONS = CALLED | BORROWING | {{"no_cpython_wrapper": True, "no_cfunc_wrapper": True}}
 '''
 
+#: What a file needs besides, some of whose functions return several numbers.
+_TUPLES = """from numba.core import cgutils
+
+Tuple, UniTuple = types.Tuple, types.UniTuple
+"""
+
 
 def header(label: str) -> str:
     """The top of a kernel's file: what it imports, and by a checksum with which compiler, so that one file never means two things."""
@@ -72,7 +78,8 @@ def function(name: str, takes: str, lines: Sequence[str], kind: str = "") -> str
 def written(functions: dict[str, str], text: str, outside: str = "{}") -> str:
     """The source of some functions of a text, each with its types, below the header."""
     held = text.replace("\\", "\\\\")
-    return "\n\n".join([f"TEXT = '''{held}'''", *(_written(*each, outside) for each in functions.items())])
+    several = [_TUPLES] if any("Tuple" in kind for kind in functions.values()) else []
+    return "\n\n".join([*several, f"TEXT = '''{held}'''", *(_written(*each, outside) for each in functions.items())])
 
 
 def kernel_text(name: str) -> str:
@@ -82,13 +89,17 @@ def kernel_text(name: str) -> str:
 
 def _written(name: str, kind: str, outside: str) -> str:
     """A function that Python calls, or another kernel at its address."""
-    takes = ", ".join(f"a{i}" for i in range(kind.count(",") + 1))
+    result, _, given = kind.rpartition("(")
+    takes = ", ".join(f"a{i}" for i in range(given.count(",") + 1))
+    call = f'write_functions(context, builder, sig, args, "{name}", TEXT, {outside})'
+    if "Tuple" in result:
+        call = f"context.make_tuple(builder, sig.return_type, cgutils.unpack_tuple(builder, {call}))"
     options = "**CALLED, **BORROWING" if name not in FUNCTIONS else "**OPTIONS"
     return f"""
 @intrinsic
 def written_{name}(typingctx, {takes}):
     def emit(context, builder, sig, args):
-        return write_functions(context, builder, sig, args, "{name}", TEXT, {outside})
+        return {call}
     return {kind}, emit
 
 

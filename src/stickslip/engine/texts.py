@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import inspect
 from functools import lru_cache
-from importlib import resources
 from typing import Any
 
 from stickslip.basics.status import Status
 from stickslip.engine import cache
+from stickslip.engine.kernel_text import header, kernel_text, written
 from stickslip.results import recurrence as recurrences
 
 _POINTS = "float64[:, ::1], int64"
@@ -30,11 +30,20 @@ _RECURRENCE = {
 @lru_cache(1)
 def recurrence_text() -> str:
     """The numbers and functions of `stickslip.results.recurrence`, for a kernel that has imported njit and named its OPTIONS."""
-    numbers = [f"{name} = {value!r}" for name, value in vars(recurrences).items() if isinstance(value, (int, float))]
     functions = [
         f'@njit("{signature}", **OPTIONS)\n{inspect.getsource(getattr(recurrences, name))}' for name, signature in _RECURRENCE.items()
     ]
-    return "\n".join(["Any = object", *numbers, *functions])
+    return "\n".join([*_numbers(), *functions])
+
+
+def _numbers() -> list[str]:
+    return ["Any = object", *(f"{name} = {value!r}" for name, value in vars(recurrences).items() if isinstance(value, (int, float)))]
+
+
+def _asked(*names: str) -> str:
+    """Some functions of the test of strobe points, as one piece each with all that they call."""
+    kinds = {name: _RECURRENCE[name].replace("float64[:, ::1]", "f2").replace("float64[::1]", "f1") for name in names}
+    return written(kinds, recurrence_text())
 
 
 @lru_cache(1)
@@ -45,14 +54,20 @@ def status_text() -> str:
 
 @lru_cache
 def coulomb_text(*names: str) -> str:
-    """The mode machine of ``kernels/coulomb_harmonic.py``, the test of strobe points, and other texts after them."""
-    folder = resources.files("stickslip.engine") / "kernels"
-    first, *more = ((folder / f"{name}.py").read_text(encoding="utf-8") for name in ("coulomb_harmonic", *names))
-    return "\n\n".join([first, status_text(), recurrence_text(), *more])
+    """The mode machine of ``kernels/coulomb_harmonic.py``, and other texts after it."""
+    return "\n\n".join([header("Coulomb × Harmonic"), status_text(), *map(kernel_text, ("coulomb_harmonic", *names))])
+
+
+@lru_cache(1)
+def coulomb_runs_text() -> str:
+    """The mode machine, the test of strobe points and the runs that ask for it."""
+    each_period = f'@njit("{_RECURRENCE["apart"]}", **OPTIONS)\n{inspect.getsource(recurrences.apart)}'
+    first, runs = coulomb_text("coulomb_harmonic_looks"), kernel_text("coulomb_harmonic_runs")
+    return "\n\n".join([first, *_numbers(), _asked("period_number", "outcome"), each_period, runs])
 
 
 @lru_cache(1)
 def recurrence() -> Any:
     """The functions of `stickslip.results.recurrence`, compiled."""
-    head = 'from numba import njit\n\nOPTIONS = {"cache": CACHE, "error_model": "numpy", "nogil": True}\n'
-    return cache.load(head + recurrence_text(), "recurrence", "the test of strobe points")
+    text = header("the test of strobe points") + _asked("period_number", "approach", "outcome")
+    return cache.load(text, "recurrence", "the test of strobe points")

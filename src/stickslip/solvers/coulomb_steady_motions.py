@@ -34,7 +34,7 @@ def _kernel() -> Any:
     from stickslip.engine.cache import load
     from stickslip.engine.texts import coulomb_text
 
-    text = coulomb_text("coulomb_harmonic_runs", "coulomb_orbits")
+    text = coulomb_text("coulomb_harmonic_looks", "coulomb_orbits")
     return load(text, "coulomb_orbits", "Coulomb × Harmonic, periodic motions")
 
 

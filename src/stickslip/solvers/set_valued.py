@@ -70,9 +70,9 @@ def summary_of(todo: Request, raw: dict[str, Any]) -> Summary:
 
 def _kernel() -> Any:
     from stickslip.engine.cache import load
-    from stickslip.engine.texts import coulomb_text
+    from stickslip.engine.texts import coulomb_runs_text
 
-    return load(coulomb_text("coulomb_harmonic_runs"), "coulomb_harmonic", "Coulomb × Harmonic")
+    return load(coulomb_runs_text(), "coulomb_harmonic", "Coulomb × Harmonic")
 
 
 def dimensionless_rows(arcs: Arcs, v0: Array) -> tuple[Array, Array]:

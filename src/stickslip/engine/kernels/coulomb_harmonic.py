@@ -16,10 +16,6 @@ zero at the start of an arc is never found again.
 
 import math
 
-from numba import njit
-
-ALLOCATING = {"cache": CACHE, "error_model": "numpy", "nogil": True}
-OPTIONS = ALLOCATING | {"_nrt": False}  # the caller owns all arrays, so that Numba need not count who holds them, in atomic steps
 FUSED = {**OPTIONS, "fastmath": {"contract"}}
 TAU = 2.0 * math.pi
 STEPS = 256  # arcs in one period beyond which a case is given up (7 are possible)
@@ -83,7 +79,7 @@ def prepare(row, q):
     q[GAMMA] = row[4]
 
 
-@njit(**OPTIONS, inline="always")
+@njit("b1(f8, f8, f8)", **OPTIONS, forceinline=True)
 def within(phase, begin, end):
     """Whether a phase lies in [begin, end), which may reach across the end of the period."""
     if begin <= end:
@@ -128,7 +124,7 @@ def zero(u, q, S, C, lo, hi, x):
     return x + step, S1 + step * C1 - half * S1, C1 - step * S1 - half * C1, moved
 
 
-@njit(**FUSED, inline="always")
+@njit("UniTuple(f8, 5)(f8[::1], f8[::1], i8, f8, f8, f8, f8)", **OPTIONS, forceinline=True)
 def slip(q, last, side, phase, u, S, C):
     """A sliding arc, to its zero or to the end of the period: new phase, u, S, C, and the displacement."""
     base = BACK * side
@@ -158,7 +154,7 @@ def slip(q, last, side, phase, u, S, C):
     return new, 0.0, S1, C1, moved
 
 
-@njit(**OPTIONS, inline="always")
+@njit("Tuple((f8, f8, f8, f8, f8, i8))(f8[::1], f8[::1], f8, f8, f8, f8)", **OPTIONS, forceinline=True)
 def arc(q, last, phase, w, s, c):
     """One arc of the mode machine, not beyond the end of the period: new phase, w, sin, cos, the displacement and the mode."""
     if w > 0.0 or (w == 0.0 and within(phase, q[AWAY], q[AWAY + 1])):
@@ -172,18 +168,6 @@ def arc(q, last, phase, w, s, c):
         if q[away] > phase and q[away] < new:
             new, s, c = q[away], q[away + 2], q[away + 3]
     return new, 0.0, s, c, 0.0, 0
-
-
-@njit("Tuple((f8, f8, b1))(f8[::1], f8[::1], f8)", **OPTIONS)
-def one_period(q, last, w):
-    """w and the displacement after one drive period; False if it has too many arcs."""
-    phase, s, c, x = 0.0, 0.0, 1.0, 0.0
-    for _ in range(STEPS):
-        phase, w, s, c, moved, _ = arc(q, last, phase, w, s, c)
-        x += moved
-        if phase >= TAU:
-            return w, x, True
-    return w, x, False
 
 
 @njit("Tuple((f8, f8, f8, f8, f8, i8))(f8[::1], f8[::1], f8, f8, f8, f8)", **OPTIONS)

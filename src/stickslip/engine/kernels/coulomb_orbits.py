@@ -1,4 +1,4 @@
-# Periodic motions under Coulomb friction without waiting: text that follows coulomb_harmonic_runs.py in one kernel, never imported.
+# Periodic motions under Coulomb friction without waiting: text that follows coulomb_harmonic_looks.py in one kernel, never imported.
 # ruff: noqa: F821
 # mypy: ignore-errors
 """The strobe point of the periodic motion by formula, then one motion period from it.
@@ -8,6 +8,8 @@ the one that every start ends in (for friction above zero). It either never rest
 (analysis/closed_form.py), or it rests, and then it leaves the weaker side's rest at the phase of break-away. Whatever the formula gave,
 the motion period that follows must come back to its strobe point; else the case is left to the mode machine.
 """
+
+import numpy as np
 
 
 @njit("f8(f8[::1])", **OPTIONS)
@@ -60,7 +62,7 @@ def strobe_point(row, q, last):
     return travels(q, last, q[away], 0.0, q[away + 2], q[away + 3])[0]
 
 
-@njit("void(f8[:,::1], i8[::1], i8, i8, f8, f8[:,::1], i8[:,::1], f8[:,::1], i1[:,::1])", **ALLOCATING)
+@njit("void(f8[:,::1], i8[::1], i8, i8, f8, f8[:,::1], i8[:,::1], f8[:,::1], i1[:,::1])", **CALLED)
 def orbits(rows, known, i0, i1, tolerance, out, count, seg_time, seg_code):
     """Cases i0 to i1, rows as for `run`. Where known[i] > 0, row[5] is a strobe point of a motion of that period; else it is found.
 
