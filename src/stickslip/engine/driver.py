@@ -104,9 +104,9 @@ def _apart(name: str) -> Any:
 @lru_cache
 def _landing(lanes: int) -> Any:
     """Where Taylor steps end; compiled for a number of lanes, because it is most of their work."""
-    constants = [f"ORDER, L, POINTS = {ORDER}, {lanes}, {POINTS}"]
+    constants = [f"ORDER, L, STRIDE, POINTS = {ORDER}, {lanes}, {lanes}, {POINTS}"]
     label = f"what all Taylor kernels share ({'one case' if lanes == 1 else 'many cases'})"
-    text = source("where Taylor steps end", {"land": FUNCTIONS["land"]}, constants, ("arcs",))
+    text = source("where Taylor steps end", {"land": FUNCTIONS["land"]}, constants, ("polynomials", "arcs"))
     return cache.load(text, f"arcs_{lanes}", label)
 
 

@@ -59,7 +59,8 @@ class Row:
     @cached_property
     def source(self) -> str:
         """The text of its kernel, which does not depend on how many parts there are."""
-        text = "\n".join([f"ORDER = {ORDER}", kernel_text("local_events"), *(table.text(ORDER + 1) for table in self.tables)])
+        texts = map(kernel_text, ("polynomials", "local_bodies", "local_clusters", "local_events"))
+        text = "\n".join([f"ORDER, STRIDE = {ORDER}, 1", *texts, *(table.text(ORDER + 1) for table in self.tables)])
         return header("a row of many bodies") + written(_KINDS, text)
 
     @cached_property

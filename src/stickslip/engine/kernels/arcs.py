@@ -2,11 +2,9 @@
 # ruff: noqa: F821
 # mypy: ignore-errors
 #
-# A polynomial's coefficients stand at S[at + m * L], m = 0 .. ORDER, in powers of theta = (time since the start) / h. What a guard
-# has more than all its other coefficients together (F_CLEAR) says whether it can be zero in the step at all.
+# A polynomial's coefficients stand at S[at + m * L], m = 0 .. ORDER (polynomials.py), in powers of theta = (time since the start) / h.
+# What a guard has more than all its other coefficients together (F_CLEAR) says whether it can be zero in the step at all.
 
-LOOKS = 4  # stretches of a step at whose ends a guard is looked at
-NOISE = -4e-15  # of the sum of its terms: a guard this close to zero is not below it
 BELOW = 1.0  # an exponent nearer to the floor than this is no longer waited for
 MISFIT = 2e-14  # of the free velocity: what a misfit may add to the velocity in a step
 ROUNDING = 3e-14  # of the terms of the polynomial's slope: a misfit below it is rounding
@@ -15,36 +13,7 @@ MISFIT_OF_CHANGES = 1e-11  # of a change: what a misfit may add to it in a step
 SHORTEST = 1e-22  # of a period
 SOON = 1.5e-14  # of a period: 64 roundings of the time
 TOGETHER = 1e-12  # of a step: zeros this close are at one instant, where their order is asked for
-BEGUN = 1e-3  # of a step: what touches zero before has begun there
-NEWTON = 60  # iterations at most; a handful is usual
 SHARES_OF_POWERS = [1.0 / (m + 1) for m in range(ORDER + 1)]  # the mean of x^m from 0 to 1
-
-
-@njit(float64(f1, int64, float64), **OPTIONS)
-def at_theta(S, at, x):
-    """The polynomial at x."""
-    value = S[at + ORDER * L]
-    for m in range(ORDER - 1, -1, -1):
-        value = fma(value, x, S[at + m * L])
-    return value
-
-
-@njit(float64(f1, int64, float64), **OPTIONS)
-def rate_at(S, at, x):
-    """Its slope."""
-    value = ORDER * S[at + ORDER * L]
-    for m in range(ORDER - 1, 0, -1):
-        value = fma(value, x, m * S[at + m * L])
-    return value
-
-
-@njit(float64(f1, int64, float64), **OPTIONS)
-def curve_at(S, at, x):
-    """Its second derivative."""
-    value = ORDER * (ORDER - 1) * S[at + ORDER * L]
-    for m in range(ORDER - 1, 1, -1):
-        value = fma(value, x, m * (m - 1) * S[at + m * L])
-    return value
 
 
 @njit(float64(f1, int64, float64), **OPTIONS)
@@ -54,44 +23,6 @@ def mean_to(S, at, x):
     for m in range(ORDER - 1, -1, -1):
         value = fma(value, x, SHARES_OF_POWERS[m] * S[at + m * L])
     return value
-
-
-@njit(float64(f1, int64, float64, float64), **OPTIONS)
-def root(S, at, lo, hi):
-    """The zero between lo (not below zero) and hi (below zero): Newton's method, held in the bracket."""
-    x = 0.5 * (lo + hi)
-    for _ in range(NEWTON):
-        value, rate = at_theta(S, at, x), rate_at(S, at, x)
-        if value > 0.0:
-            lo = x
-        else:
-            hi = x
-        new = x - value / rate if rate != 0.0 else lo
-        if not (new >= lo and new <= hi):
-            new = 0.5 * (lo + hi)
-        if abs(new - x) <= 1e-16 * x or new == x:
-            return new
-        x = new
-    return x
-
-
-@njit(float64(f1, int64, float64, float64, float64, float64), **OPTIONS)
-def turn(S, at, lo, hi, d0, d1):
-    """Where a polynomial turns between lo and hi, where its slopes d0 and d1 differ in sign: Newton's method, held in the bracket."""
-    x = lo + (hi - lo) * d0 / (d0 - d1)
-    for _ in range(NEWTON):
-        d, dd = rate_at(S, at, x), curve_at(S, at, x)
-        if d * d0 > 0.0:
-            lo = x
-        else:
-            hi = x
-        new = x - d / dd if dd != 0.0 else lo
-        if not (new >= lo and new <= hi):
-            new = 0.5 * (lo + hi)
-        if abs(new - x) <= 1e-9:
-            return new
-        x = new
-    return x
 
 
 @njit(float64(f1, int64, float64, float64), **OPTIONS)
@@ -106,32 +37,18 @@ def first_zero(S, at, h, period):
     noise = NOISE * terms
     if S[at] < noise and not (S[at + L] > 0.0 and -S[at] * h <= SOON * period * S[at + L]):
         return 0.0
-    none, a, da = 2.0, 0.0, S[at + L]
-    for j in range(LOOKS):
-        b = (j + 1.0) / LOOKS
-        db = rate_at(S, at, b)
-        if da < 0.0 and db > 0.0:
-            low = turn(S, at, a, b, da, db)
-            bottom = at_theta(S, at, low)
-            if bottom < noise:
-                return root(S, at, a, low)
-            if bottom < -noise and low > BEGUN:
-                none = 3.0
-        if at_theta(S, at, b) < noise:
-            return root(S, at, a, b)
-        a, da = b, db
-    return none
+    return first_below(S, at, ORDER, noise)
 
 
 @njit(float64(f1, int64, float64), **OPTIONS)
 def extremum(S, at, end):
     """The largest or smallest value before `end` of a polynomial that turns once; its value there if it does not turn."""
-    lo, hi, d0, d1 = 0.0, end, S[at + L], rate_at(S, at, end)
+    lo, hi, d0, d1 = 0.0, end, S[at + L], slope_at(S, at, ORDER, end)
     if d0 * d1 >= 0.0:  # after break-away the rate is zero at first, to rounding: it shows its sign further on
-        lo, d0 = 0.5 * end, rate_at(S, at, 0.5 * end)
+        lo, d0 = 0.5 * end, slope_at(S, at, ORDER, 0.5 * end)
     if d0 * d1 >= 0.0:
-        return at_theta(S, at, end)
-    return at_theta(S, at, turn(S, at, lo, hi, d0, d1))
+        return value_at(S, at, ORDER, end)
+    return value_at(S, at, ORDER, turning_point(S, at, ORDER, lo, hi, d0, d1))
 
 
 @njit(int64(f1, int64, int64, int64, float64, float64, float64, float64, f1), **OPTIONS)
@@ -160,12 +77,9 @@ def fitting_change(S, at, row, slopes, part, h, allowed, ROWS):
     return POINTS
 
 
-@njit(int64(int64, float64, float64, f1, f1, f1, i1), **OPTIONS)
-def agrees(lane, part, rough, S, ROWS, SIZES, D):
-    """How many of `POINTS` points up to `part` of a step pass, one after another, at which the polynomials do what the equations say.
-
-    They may differ by `rough` of the terms of a rate.
-    """
+@njit(void(int64, float64, f1, f1, i1), **OPTIONS)
+def ask_slopes(lane, part, S, ROWS, D):
+    """The rates that the equations give at `POINTS` points up to `part` of a step, and the slopes of the polynomials there."""
     states, first, h = D[STATES], D[F_K] + lane, S[D[F_HH] + lane]
     x = (1 + states) * POINTS  # the points; behind them the slopes of the polynomials
     for j in range(POINTS):
@@ -174,6 +88,16 @@ def agrees(lane, part, rough, S, ROWS, SIZES, D):
     for i in range(states):
         at_points(S, first + i * (ORDER + 1) * L, ROWS, x, (1 + i) * POINTS, x + (1 + i) * POINTS, ORDER, L, POINTS)
     call_slopes(D[AT_SLOPES], lane, S, ROWS)
+
+
+@njit(int64(int64, float64, float64, f1, f1, f1, i1), **OPTIONS)
+def agreeing(lane, part, rough, S, ROWS, SIZES, D):
+    """How many of these points pass, one after another: there the polynomials do what the equations say.
+
+    They may differ by `rough` of the terms of a rate.
+    """
+    states, first, h = D[STATES], D[F_K] + lane, S[D[F_HH] + lane]
+    x = (1 + states) * POINTS
     good, of_changes = POINTS, MISFIT * S[D[F_C] + D[FREE] * L + lane] if D[FREE] >= 0 else 0.0
     for i in range(states):
         scale = D[FREE] if i == 0 else D[SCALE_AT + i]
@@ -229,11 +153,12 @@ def end_of_step(lane, S, ROWS, SIZES, D):
     rough = 0.0
     for _ in range(200):
         part = min(theta, 1.0)
-        good = agrees(lane, part, rough, S, ROWS, SIZES, D)
+        ask_slopes(lane, part, S, ROWS, D)
+        good = agreeing(lane, part, rough, S, ROWS, SIZES, D)
         if good < POINTS and rough == 0.0:
             call_sizes(D[AT_SIZES], lane, S, SIZES)
             rough = ROUGH
-            good = agrees(lane, part, rough, S, ROWS, SIZES, D)
+            good = agreeing(lane, part, rough, S, ROWS, SIZES, D)
         if good >= POINTS:
             break
         theta, which = part * (good + 0.5) / POINTS, -1.0
@@ -258,7 +183,7 @@ def land_lane(lane, S, ROWS, SIZES, budget, D):
         S[D[F_FIRED] + lane] = guard
     bad = False
     for i in range(states):
-        y = at_theta(S, at_k + i * (ORDER + 1) * L, part)
+        y = value_at(S, at_k + i * (ORDER + 1) * L, ORDER, part)
         S[at_y + i * L] = y
         bad = bad or (y != y and i < states - D[PASSIVE])
         if i > 0:

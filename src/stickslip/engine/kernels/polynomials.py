@@ -1,0 +1,93 @@
+"""Polynomials of any degree, whose coefficients stand in an array from a place on, STRIDE apart: values, slopes and zeros in [0, 1]."""
+# ruff: noqa: F821
+# mypy: ignore-errors
+
+LOOKS = 4  # stretches of [0, 1] at whose ends a polynomial is looked at
+NOISE = -4e-15  # of the sum of its terms: a polynomial this close to zero is not below it
+BEGUN = 1e-3  # what touches zero before has begun there
+NEWTON = 60  # iterations at most; a handful is usual
+
+
+@njit(float64(f1, int64, int64, float64))
+def value_at(C, at, degree, x):
+    """The value at x."""
+    value = C[at + degree * STRIDE]
+    for m in range(degree - 1, -1, -1):
+        value = fma(value, x, C[at + m * STRIDE])
+    return value
+
+
+@njit(float64(f1, int64, int64, float64))
+def slope_at(C, at, degree, x):
+    """The slope at x."""
+    value = degree * C[at + degree * STRIDE]
+    for m in range(degree - 1, 0, -1):
+        value = fma(value, x, m * C[at + m * STRIDE])
+    return value
+
+
+@njit(float64(f1, int64, int64, float64))
+def curvature_at(C, at, degree, x):
+    """The second derivative at x."""
+    value = degree * (degree - 1) * C[at + degree * STRIDE]
+    for m in range(degree - 1, 1, -1):
+        value = fma(value, x, m * (m - 1) * C[at + m * STRIDE])
+    return value
+
+
+@njit(float64(f1, int64, int64, float64, float64))
+def zero_between(C, at, degree, lo, hi):
+    """The zero between lo (not below zero) and hi (below zero): Newton's method, held in the bracket."""
+    x = 0.5 * (lo + hi)
+    for _ in range(NEWTON):
+        value, rate = value_at(C, at, degree, x), slope_at(C, at, degree, x)
+        if value > 0.0:
+            lo = x
+        else:
+            hi = x
+        new = x - value / rate if rate != 0.0 else lo
+        if not (new >= lo and new <= hi):
+            new = 0.5 * (lo + hi)
+        if abs(new - x) <= 1e-16 * x or new == x:
+            return new
+        x = new
+    return x
+
+
+@njit(float64(f1, int64, int64, float64, float64, float64, float64))
+def turning_point(C, at, degree, lo, hi, d0, d1):
+    """Where the slope is zero between lo and hi, where it is d0 and d1, which differ in sign: Newton's method, held in the bracket."""
+    x = lo + (hi - lo) * d0 / (d0 - d1)
+    for _ in range(NEWTON):
+        d, dd = slope_at(C, at, degree, x), curvature_at(C, at, degree, x)
+        if d * d0 > 0.0:
+            lo = x
+        else:
+            hi = x
+        new = x - d / dd if dd != 0.0 else lo
+        if not (new >= lo and new <= hi):
+            new = 0.5 * (lo + hi)
+        if abs(new - x) <= 1e-9:
+            return new
+        x = new
+    return x
+
+
+@njit(float64(f1, int64, int64, float64))
+def first_below(C, at, degree, noise):
+    """Where one that does not begin below `noise` first falls below zero in [0, 1]; 2 if it does not, 3 if it touches zero meanwhile."""
+    none, a, da = 2.0, 0.0, C[at + STRIDE]
+    for j in range(LOOKS):
+        b = (j + 1.0) / LOOKS
+        db = slope_at(C, at, degree, b)
+        if da < 0.0 and db > 0.0:
+            low = turning_point(C, at, degree, a, b, da, db)
+            bottom = value_at(C, at, degree, low)
+            if bottom < noise:
+                return zero_between(C, at, degree, a, low)
+            if bottom < -noise and low > BEGUN:
+                none = 3.0
+        if value_at(C, at, degree, b) < noise:
+            return zero_between(C, at, degree, a, b)
+        a, da = b, db
+    return none
