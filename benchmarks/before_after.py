@@ -2,10 +2,10 @@
 
     python benchmarks/before_after.py 2282772 HEAD [--runs 10] [--only import]
 
-Each measurement is a process of its own on one pinned core, A B A B ..., and prints the CPU seconds of its work, without import and
-compilation unless these are what is measured. Python's own compilation of the sources (.pyc) is done before, as where a package is
-installed. A row is the median of the ratios pair by pair, new over old, with the second smallest and the second largest; and the ratio
-of the least of each, on which other work on the machine has the smallest part.
+Processes of the two versions follow one another on one pinned core, A B A B ...; each makes all calls, warmed up, and prints the CPU
+seconds of each. Imports and compilation have processes of their own. Python's own compilation of the sources (.pyc) is done before, as
+where a package is installed. A row is the median of the ratios pair by pair, new over old, with the second smallest and the second
+largest; and the ratio of the least of each, on which other work on the machine has the smallest part.
 Needs git and the packages that both versions import.
 """
 
@@ -14,6 +14,7 @@ from __future__ import annotations
 import pin  # noqa: F401  # isort: skip  # one core, for these processes too
 
 import argparse
+import contextlib
 import os
 import statistics
 import subprocess
@@ -52,17 +53,17 @@ def batch(law: str, periods: int, rtol: float = 1e-4) -> str:
 
 def briefly(model: str, more: str = "") -> str:
     """Two periods of one model again and again: what a call of `solve` costs apart from its steps."""
-    return timed(LAWS + f"model = {model}\n", f"for _ in range(100): ss.solve(model, {more or 'periods=2'})", 10)
+    return timed(LAWS + f"model = {model}\n", f"for _ in range(100): ss.solve(model, {more or 'periods=2'})", 5)
 
 
 def new_laws(law: str) -> str:
     """Two periods under a class of law of its own each time: what a kind costs when it is met, without compilation."""
     return timed(
         LAWS + f"law, robot = {law}, rig(tilt_deg=0.0, amplitude=6e-4)\n",
-        "for _ in range(20):\n"
+        "for _ in range(10):\n"
         '    own = type("Own", (type(law),), {"__module__": "__main__"})\n'
         "    ss.solve(robot.replace(friction=own(**{name: getattr(law, name) for name in law.__dataclass_fields__})), periods=2)",
-        10,
+        4,
     )
 
 
@@ -88,7 +89,8 @@ FLOW = """ss.SwitchingFlow(
     {0: lambda t, y: (y[1], -9.81)}, {0: (ss.Switch(lambda t, y: y[0], 0, lambda t, y: (0.0, -0.8 * y[1])),)}, states=("height", "v")
 )"""
 BRANCH = 'ss.continuation(rig, parameter="amplitude", start=5e-4, stop=6e-4, tilt_deg=1.7, law="coulomb")'
-WORK = {
+#: Calls, which are timed one after the other in one process.
+CALLS = {
     "LuGre, 512 robots": batch("friction", 60),
     "LuGre, 512 robots, 1e-7": batch("friction", 30, 1e-7),
     "elasto-plastic, 512 robots": batch(ELASTO_PLASTIC, 40),
@@ -106,7 +108,7 @@ WORK = {
     "solve, a new robot each time": timed(
         "robot = rig(tilt_deg=1.7, amplitude=6e-4)\n",
         "for k in range(100): ss.solve(robot.replace(inner_mass=robot.inner_mass * (1 + 1e-6 * k)), periods=2)",
-        10,
+        5,
     ),
     "solve, a new law each time, Coulomb": new_laws("ss.Coulomb(**same)"),
     "solve, a new law each time, LuGre": new_laws("friction"),
@@ -126,6 +128,9 @@ WORK = {
     "basins": timed(
         "", "ss.basins(rig(tilt_deg=1.7, amplitude=8e-4, mu0=0.05), v=np.linspace(-0.1, 0.1, 24), z=np.linspace(-1e-6, 1e-6, 2))", 1
     ),
+}
+#: What needs a process of its own: it begins with an import.
+FRESH = {
     "compile, Coulomb": compiled("ss.Coulomb(**same)"),
     "compile, LuGre": compiled("friction"),
     "compile, Stribeck": compiled("ss.Stribeck(**same, v_s=friction.v_s)"),
@@ -146,13 +151,14 @@ WORK = {
 SURROUNDINGS = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
 
 
-def measure(tree: Path, cache: Path, program: str) -> float:
-    """Seconds that a program prints, with the sources of one version."""
+def measure(tree: Path, cache: Path, programs: list[str]) -> list[float]:
+    """Seconds that some programs print, one after the other in one process, with the sources of one version."""
     env = {**SURROUNDINGS, "PYTHONPATH": str(tree / "src"), "STICKSLIP_CACHE_DIR": str(cache), "NUMBA_NUM_THREADS": "1"}
-    done = subprocess.run([sys.executable, "-c", program], env=env, capture_output=True, text=True, cwd=tree)
+    together = f"for program in {programs!r}: exec(program, {{'__name__': '__main__'}})"
+    done = subprocess.run([sys.executable, "-c", together], env=env, capture_output=True, text=True, cwd=tree)
     if done.returncode:
         sys.exit(f"{tree}: {done.stderr[-2000:]}")
-    return float(done.stdout.split()[-1])
+    return [float(number) for number in done.stdout.split()]
 
 
 def main() -> None:
@@ -168,9 +174,15 @@ def main() -> None:
             subprocess.run(["git", "-C", ROOT, "worktree", "add", "--quiet", "--detach", tree, version], check=True)
             subprocess.run([sys.executable, "-m", "compileall", "-q", tree / "src"], env=SURROUNDINGS, check=True)
         try:
-            for name, program in WORK.items():
-                if given.only in name:
-                    report(name, [tuple(measure(t, Path(work) / f"cache-{t.name}", program) for t in trees) for _ in range(given.runs)])
+            asked_for = [{name: program for name, program in CALLS.items() if given.only in name}]
+            asked_for += [{name: program} for name, program in FRESH.items() if given.only in name]
+            for works in filter(None, asked_for):
+                runs: list[list[list[float]]] = []
+                with contextlib.suppress(KeyboardInterrupt):  # Ctrl-C: what is complete is reported
+                    for _ in range(given.runs):
+                        runs.append([measure(tree, Path(work) / f"cache-{tree.name}", list(works.values())) for tree in trees])
+                for k, name in enumerate(works if runs else ()):
+                    report(name, [(old[k], new[k]) for old, new in runs])
         finally:
             for tree in trees:
                 subprocess.run(["git", "-C", ROOT, "worktree", "remove", "--force", tree], check=True)
