@@ -63,11 +63,16 @@ def all_that_is_forgotten():
     return found + [sentence for name in MECHANISMS for sentence in machine_lacks(name)]
 
 
+_DYNAMIC, _SET_VALUED = ("rate", "force"), ("sliding", "breakaway")
+
+
 def law_lacks(name):
     """Sentences on what a law lacks."""
     law = ss.LAWS[name]
-    needs = ("sliding", "breakaway") if hasattr(law, "sliding") else ("rate", "force")
-    return lacking(name, law, needs, "docs/laws/index.md", "docs/laws/*.md", base=Law)
+    needs = _DYNAMIC if any(hasattr(law, need) for need in _DYNAMIC) else _SET_VALUED  # bristles have break-away coefficients too
+    page, picture = text_of("docs/laws/*.md"), f"images/laws/{name}.png"
+    drawn = [] if picture in page else [f"{law.__name__}: python examples/bench_laws.py {name} draws docs/{picture}; show it on its page"]
+    return [*lacking(name, law, needs, "docs/laws/index.md", "docs/laws/*.md", base=Law), *drawn]
 
 
 def drive_lacks(name):
@@ -113,7 +118,8 @@ def lacking(name, cls, needs, *pages, base=object):
 
 def unfinished(cls, *pages):
     """Sentences on what a record of ours lacks, whatever it is: how it is declared, its numbers, its pages and its public name."""
-    if not (dataclasses.is_dataclass(cls) and cls.__dataclass_params__.frozen):
+    own = vars(cls).get("__dataclass_params__")  # a base class has some too, and without its own the fields of the class are none
+    if own is None or not own.frozen or own.eq:
         return [f"{cls.__name__}: write @dataclass(frozen=True, eq=False) above the class"]
     found = [sentence for field in dataclasses.fields(cls) for sentence in _of_field(cls, field)]
     if ">>> " not in (cls.__doc__ or ""):

@@ -76,6 +76,14 @@ def _allowed(name, machines):
     return f", and every_machine in tests/every.py has no such machine; allowed are {', '.join(map(repr, machines))}"
 
 
+def not_yes_or_no(name, door):
+    """What to do where a machine neither works at a door nor is refused with a reason."""
+    return (
+        f"{name!r} at {door}: allowed is an answer, or an InputError that says why not. Is its line in every_machine in tests/every.py a "
+        "machine that moves and slides in every period, by both values of its number? Then the error is in stickslip."
+    )
+
+
 def lacking(names, machines, doors, kept):
     """A sentence for each machine that is not to be tried, and of which the page does not say everything."""
     return [
@@ -108,7 +116,11 @@ def main(*names):
         with tempfile.TemporaryDirectory() as folder:
             case = Case(name, *made, Path(folder))
             for door in every_door:
-                cells[name, door] = cell(door_of(door, case), case)
+                try:
+                    cells[name, door] = cell(door_of(door, case), case)
+                except Exception as error:
+                    error.add_note(not_yes_or_no(name, door))
+                    raise
                 plt.close("all")
                 print(f"{name}, {door}: {cells[name, door]}", flush=True)
     before, after = text.partition(BEGIN)[0], text.partition(END)[2]

@@ -25,7 +25,12 @@ def __getattr__(name: str) -> object:
         hint = f"did you mean {_ELSEWHERE[name]!r}?" if name in _ELSEWHERE else did_you_mean(name, __all__)
         raise AttributeError(f"stickslip has no {name!r}; {hint}")
     with held_together():
-        return _load(name)
+        try:
+            return _load(name)
+        except (AttributeError, ModuleNotFoundError) as error:
+            if (error.name or __name__).startswith(__name__):
+                error.add_note(f"{name!r} is looked for where src/stickslip/__init__.pyi has it from")
+            raise
 
 
 #: Names that other packages use for some of our functions.

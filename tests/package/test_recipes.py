@@ -37,6 +37,7 @@ from stickslip import presets, records
 from stickslip.engine import tableaux
 from stickslip.engine.tableaux import TABLEAUX
 from stickslip.mechanisms import MECHANISMS
+from stickslip.models.friction.law import Law
 from stickslip.models.machines import parts
 from stickslip.models.machines.parts import LINKS
 from stickslip.records import formats
@@ -269,7 +270,7 @@ def test_what_a_law_forgets_is_told_in_sentences_and_hides_no_other(monkeypatch)
     finished = set(examples(ss.LAWS))
     monkeypatch.setitem(ss.LAWS, "forgetful", Forgetful)
     told = "\n".join(law_lacks("forgetful"))
-    said = "Forgetful.depth has no label, unit, example; type depth: float", "example() gives no Forgetful"
+    said = "Forgetful.depth has no label, unit, example; type depth: float", "example() gives no Forgetful", "bench_laws.py forgetful draws"
     assert all(words in told for words in (*said, "docs/laws", "__init__.pyi")), told
     assert set(examples(ss.LAWS)) == finished <= set(LAWS)
     assert set(told.splitlines()) <= set(all_that_is_forgotten())
@@ -280,8 +281,17 @@ def test_a_law_in_the_registry_without_the_base_class_is_told_what_to_write(monk
     assert "Stranger: write from stickslip.models.friction.law import Law, and class Stranger(Law)" in law_lacks("stranger")
 
 
-def test_a_class_that_is_no_dataclass_is_told_what_to_write():
-    assert lacking("odd", type("Odd", (), {}), ()) == ["Odd: write @dataclass(frozen=True, eq=False) above the class"]
+@each_row("cls", [type("Odd", (), {}), type("Odd", (ss.Viscous,), {}), dataclass(frozen=True)(type("Odd", (ss.Viscous,), {}))])
+def test_a_class_that_is_no_dataclass_as_ours_is_told_what_to_write(cls):
+    """A class on one of ours is a dataclass without being declared as one, and its own fields are none."""
+    assert lacking("odd", cls, ()) == ["Odd: write @dataclass(frozen=True, eq=False) above the class"]
+
+
+def test_a_set_valued_law_that_does_not_slide_is_told_what_to_write(monkeypatch):
+    half = dataclass(frozen=True, eq=False)(type("Half", (Law,), {"breakaway": lambda self, load: (-load, load)}))
+    monkeypatch.setitem(ss.LAWS, "half", half)
+    told = law_lacks("half")
+    assert "Half: write its method or property sliding" in told and not [line for line in told if "rate" in line.split()]
 
 
 def test_an_import_that_fails_in_a_file_of_ours_is_told_with_that_file(request):

@@ -19,7 +19,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "which-machine.md"
 sys.path.insert(0, str(PAGE.parent / "_ext"))
 
 import which_machine  # noqa: E402
-from which_machine import cell, kept_table, lacking, table, unknown  # noqa: E402
+from which_machine import cell, kept_table, lacking, not_yes_or_no, table, unknown  # noqa: E402
 
 
 def kept():
@@ -65,7 +65,11 @@ def test_every_machine_is_taken_or_refused_with_a_reason(case, door):
     """As the page says: a door that opens and is not in the table, or closes and is, is as wrong as an AttributeError."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        found = cell(door_of(door, case), case)
+        try:
+            found = cell(door_of(door, case), case)
+        except Exception as error:
+            error.add_note(not_yes_or_no(case.name, door))
+            raise
     told = kept().get((case.name, door), "nothing")
     assert found == told, f'if that is meant, python docs/_ext/which_machine.py "{case.name}" writes the page anew'
 

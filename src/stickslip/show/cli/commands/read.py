@@ -20,7 +20,7 @@ _FREQUENCY = "; if it is, type frequency=... [Hz]"  # advice for the Python func
     about="Read a measured record: channels, units, rate, gaps, noise, drive frequency, motion.",
     more="example: stickslip read run.csv --unit LDV=m/s --unit t=s --figure spectrum.png",
     arguments=(
-        argument("file", metavar="FILE", help="CSV, TSV, TXT, JSON, UFF58, MATLAB, TDMS, netCDF, HDF5 or XLSX"),
+        argument("file", metavar="FILE", help="a record in any format that ss.read reads: text, MATLAB, HDF5, UFF58, TDMS, XLSX, ..."),
         *RECORDS,
         argument(
             "--figure", metavar="FILE", ends=FIGURES, help="draw the spectrum of the velocity, or of another channel (.png, .svg or .pdf)"
