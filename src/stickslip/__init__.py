@@ -28,7 +28,7 @@ def __getattr__(name: str) -> object:
         try:
             return _load(name)
         except (AttributeError, ModuleNotFoundError) as error:
-            if (error.name or __name__).startswith(__name__):
+            if isinstance(error, AttributeError) or (error.name or "").startswith(__name__):
                 error.add_note(f"{name!r} is looked for where src/stickslip/__init__.pyi has it from")
             raise
 

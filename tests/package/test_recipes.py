@@ -294,6 +294,17 @@ def test_a_set_valued_law_that_does_not_slide_is_told_what_to_write(monkeypatch)
     assert "Half: write its method or property sliding" in told and not [line for line in told if "rate" in line.split()]
 
 
+@each_row("error", [AttributeError("no dutty", name="dutty"), ModuleNotFoundError("no stickslip.dutty", name="stickslip.dutty")])
+def test_a_public_name_that_is_not_where_the_stub_has_it_from_is_told_with_the_stub(error, monkeypatch):
+    def nowhere(name):
+        raise error
+
+    monkeypatch.setattr(ss, "_load", nowhere)
+    with pytest.raises(type(error)) as raised:
+        ss.__getattr__("solve")
+    assert any("src/stickslip/__init__.pyi" in note for note in raised.value.__notes__)
+
+
 def test_an_import_that_fails_in_a_file_of_ours_is_told_with_that_file(request):
     unreadable = request.config.pluginmanager.get_plugin(str(ROOT / "conftest.py")).unreadable
     imported = "tests/x.py:1: in <module>\nsrc/stickslip/analysis/duty.py:10: in <module>\nE   ImportError: cannot import name 'motionn'"

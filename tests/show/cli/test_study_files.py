@@ -133,6 +133,11 @@ MISTAKES = {  # the user's code, the function that is asked for, and what is sai
         "make",
         "line 6, in helper: KeyError: 'tilt'",
     ),
+    "misspelling": (
+        "import stickslip as ss\n\n\ndef make():\n    return ss.presets.piezo_rigg(1.7)\n",
+        "make",
+        "line 5, in make: AttributeError: stickslip.presets has no 'piezo_rigg'; did you mean 'piezo_rig'?",
+    ),
     "asking": ("import json\n\n\ndef make():\n    return json.loads('{')\n", "make", "line 5, in make: JSONDecodeError: "),
 }
 

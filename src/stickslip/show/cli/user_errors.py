@@ -10,7 +10,8 @@ from pathlib import Path
 def in_your_code(error: BaseException) -> str | None:
     """Location and kind of an error in the user's own code, as a sentence; None if the error is ours.
 
-    The innermost frame outside this package, Python and its libraries decides.
+    The innermost frame outside this package, Python and its libraries decides. A name that a module of this package lacks is an error
+    of the code that asks for it.
 
     Parameters
     ----------
@@ -25,12 +26,20 @@ def in_your_code(error: BaseException) -> str | None:
     how = f"{type(error).__name__}: {error}"
     if isinstance(error, SyntaxError) and error.filename and _is_yours(error.filename):
         return _sentence(error.filename, error.lineno, f": {type(error).__name__}: {error.msg}")
-    for frame in reversed(traceback.extract_tb(error.__traceback__)):
+    for frame in reversed(_frames(error)):
         if _within(frame.filename, _OURS):
             return None
         if _is_yours(frame.filename):
             return _sentence(frame.filename, frame.lineno, f", in {frame.name}: {how}")
     return None
+
+
+def _frames(error: BaseException) -> list[traceback.FrameSummary]:
+    """The frames of an error, without those in which a module looks for a name that it lacks."""
+    frames = list(traceback.extract_tb(error.__traceback__))
+    while isinstance(error, AttributeError) and frames and frames[-1].name == "__getattr__":
+        frames.pop()
+    return frames
 
 
 def in_our_code(error: BaseException) -> str:
