@@ -536,8 +536,6 @@ def door_of(door, case):
 
 #: Results that have no `plot()`, and why.
 without_picture = {
-    "Summary": "columns of many cases: to_xarray() gives a Dataset, which ss.plot.velocity_map and Dataset.plot draw",
-    "Record": "a function draws what is asked of it: ss.plot.record_spectrum, ss.plot.comparison, ss.plot.fitted",
     "Certificate": "a proof about one motion: its periodic orbit draws itself",
     "Hops": "four numbers of a run: ss.plot.contacts draws the run",
     "Passage": "the two ends of a stretch: the run of the flow draws itself",

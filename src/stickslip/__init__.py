@@ -104,3 +104,4 @@ class _PublicModules:
 
 sys.meta_path.insert(0, _PublicModules())
 on_demand(lambda: importlib.import_module(f"{__name__}.show"))  # results are drawn by a package above them
+on_demand(lambda: importlib.import_module(f"{__name__}.analysis"))  # and judged by another

@@ -123,7 +123,7 @@ def test_motions_print_as_sentences():
     assert str(ss.motion(ss.solve(robot, periods=60))).startswith("Motion: type I; pattern +0−0; repeats after 1 drive period; margin ")
     assert str(ss.motion(ss.solve(ss.Chain.example(), periods=60))).splitlines()[1].startswith("  contact module 1, pattern +−, forward ")
     record = ss.virtual_rig(robot, noise=1e-4)
-    assert str(record.motion()) == record.motion().verdict
+    assert str(record.motion) == record.motion.verdict
 
 
 def test_a_curve_in_two_parameters_draws_itself():

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.analysis.oscillation import Oscillation, oscillation
+from stickslip.analysis.oscillation import DWELL, SLIP_RATIO, Oscillation, oscillation
 from stickslip.analysis.run_segments import Segments, WatchedContact, pieces_within, raw_segments, watched_contacts
-from stickslip.analysis.steady import is_run, needs_run, period_number
+from stickslip.analysis.steady import is_run, needs_run, of_a_record, period_number
 from stickslip.basics.arguments import described_as, explains_arguments
 from stickslip.basics.contracts import Law
 from stickslip.basics.errors import InputError
@@ -21,18 +21,17 @@ from stickslip.basics.notebook_display import Drawn
 from stickslip.models.friction import Coulomb
 from stickslip.models.friction.law_adapter import adapted, law_of
 from stickslip.models.machine_adapter import machine_of
+from stickslip.records.motion_type import motion as measured_motion
 from stickslip.records.record import Record
 from stickslip.results.segments import intervals_of, type_of
 from stickslip.results.summary import Summary
 from stickslip.results.trajectory import Trajectory
+from stickslip.results.verbs import OfOneRun
 
 if TYPE_CHECKING:
     from stickslip.results.flow_run import FlowRun
 
-#: The body counts as stuck while the elastic part of friction is below this fraction of its steady sliding value ...
-SLIP_RATIO = 0.75
-#: ... for at least this fraction of a drive period.
-DWELL = 0.03
+_FEW = 4  # contacts whose patterns a printed run names
 _FAST, _KINETIC = 1e3, 1e-6  # a speed [m/s] beyond all that fades, and how near friction over load must be to the coefficient there
 
 
@@ -105,6 +104,11 @@ class Motion(Drawn):
         return self._text()
 
     @property
+    def brief(self) -> str:
+        """The type in a word or two, as a printed run has it."""
+        return f"type {self.type}" if self.type in ("I", "II", "III", "IV") else self.type
+
+    @property
     def _parts(self) -> tuple[str, ...]:
         return tuple(f"{100 * part:.1f} %" for part in (self.forward_fraction, self.backward_fraction, self.stick_fraction))
 
@@ -155,6 +159,14 @@ class Motions(Drawn):
     def __str__(self) -> str:
         return self._text()
 
+    @property
+    def brief(self) -> str:
+        """The type of the principal body's contact, or the patterns of a few contacts, as a printed run has them."""
+        if self.principal is not None:
+            return self.contacts[self.principal].brief
+        few = len(self.contacts) <= _FEW
+        return ", ".join(f"{name} {m.pattern}" for name, m in self.contacts.items()) if few else f"of {len(self.contacts)} contacts"
+
     def __getattr__(self, name: str) -> Any:
         if name in Motion.__dataclass_fields__ or name == "twin":
             if self.principal is not None:
@@ -165,8 +177,14 @@ class Motions(Drawn):
 
 
 @explains_arguments
-def motion(run: Trajectory | Record, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Motion | Motions | Oscillation:
-    """The motion at the end of a run.
+def motion(
+    run: Trajectory | Record | OfOneRun,
+    slip_ratio: float = SLIP_RATIO,
+    dwell: float = DWELL,
+    frequency: float | None = None,
+    threshold: float | None = None,
+) -> Motion | Motions | Oscillation:
+    """The motion at the end of a run; at the thresholds that stand here it is the attribute ``run.motion``.
 
     A set-valued law rests exactly, and no threshold is needed. A dynamic law never rests: there the body counts as stuck while the
     elastic part of the friction is below `slip_ratio` of its steady sliding value for at least `dwell` of a drive period.
@@ -174,16 +192,18 @@ def motion(run: Trajectory | Record, slip_ratio: float = SLIP_RATIO, dwell: floa
 
     Parameters
     ----------
-    run : Trajectory
-        A run of one robot. A batch has the same results in its columns (`many.motion_type`).
+    run : Trajectory, periodic orbit or Record
+        A batch has the same results in its columns (`many.motion_type`).
     slip_ratio : float
         Between 0 and 1.
     dwell : float
         In drive periods, 0 or more; of a machine without a period in its own periods.
+    frequency, threshold : float, optional
+        Of a Record only: the frequency of its drive [Hz], and the velocity below which it rests [m/s]; else they come from the record.
 
     Returns
     -------
-    Motion, or Motions of a machine that lists its contacts; Oscillation of a machine without a period
+    Motion, or Motions of a machine that lists its contacts; Oscillation of a machine without a period; MeasuredMotion of a Record
 
     Examples
     --------
@@ -193,8 +213,11 @@ def motion(run: Trajectory | Record, slip_ratio: float = SLIP_RATIO, dwell: floa
     ('I', '+0-0', 1)
     """
     if isinstance(run, Record):
-        measured: Any = run.motion(dwell=dwell)
+        measured: Any = measured_motion(run, frequency, threshold, dwell)
         return measured
+    of_a_record("motion", run, frequency=frequency, threshold=threshold)
+    if isinstance(run, OfOneRun):
+        return run.motion if (slip_ratio, dwell) == (SLIP_RATIO, DWELL) else motion(run.run, slip_ratio, dwell)
     _check(run, slip_ratio, dwell)
     if isinstance(run, Trajectory) and run.model.period is None:
         is_run("motion", run)

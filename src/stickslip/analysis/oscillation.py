@@ -20,6 +20,10 @@ from stickslip.results.segments import intervals_of
 if TYPE_CHECKING:
     from stickslip.results.trajectory import Trajectory
 
+#: A contact counts as stuck while the elastic part of its friction is below this fraction of its steady sliding value ...
+SLIP_RATIO = 0.75
+#: ... for at least this fraction of a drive period, or of a cycle.
+DWELL = 0.03
 _STEADY = 1e-6  # of the velocity scale: velocities that vary by less in the second half of a run are steady
 _NEAR = 1e-6  # of the swing: states at two returns that differ by less are one, unless the tolerance of the run is coarser
 _LONGEST = 16  # turns after which a motion may repeat
@@ -100,6 +104,11 @@ class Oscillation(Drawn):
         return self.type != "not settled"
 
     @property
+    def brief(self) -> str:
+        """The type, as a printed run has it."""
+        return self.type
+
+    @property
     def pattern(self) -> str:
         """Signs of the slip in a cycle, of a machine with one contact."""
         return self._only("pattern").pattern
@@ -162,6 +171,12 @@ def oscillation(run: Trajectory, slip_ratio: float, dwell: float) -> Oscillation
     if turns is None:
         return _of_stretch(run, "not settled", None, float(returns[-2]), float(returns[-1]), change, slip_ratio, dwell)
     return _of_stretch(run, "", turns, float(returns[-1 - turns]), float(returns[-1]), change, slip_ratio, dwell)
+
+
+def oscillation_of_cycle(run: Trajectory, turns: int, change: float) -> Oscillation:
+    """The motion of a run that is one cycle, which repeats after these turns; `change` is how far it comes back from where it began."""
+    run = run.with_axes
+    return _of_stretch(run, "", turns, float(run.pieces.t[0]), float(run.pieces.t[-1]), change, SLIP_RATIO, DWELL)
 
 
 def _velocities(run: Trajectory, t: Array) -> Array:

@@ -11,13 +11,15 @@ from stickslip.basics.errors import InputError, is_whole
 from stickslip.basics.interruption import interruptible
 from stickslip.models.state_layout import of_one_contact
 from stickslip.models.switching_flow import is_flow
+from stickslip.records import measures
+from stickslip.records.record import Record
 from stickslip.results import recurrence, steadiness
 from stickslip.results.summary import Summary
+from stickslip.results.verbs import OfOneRun
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from stickslip.records import Record
     from stickslip.results.flow_run import FlowRun
     from stickslip.results.trajectory import Trajectory
 
@@ -26,12 +28,12 @@ LONGEST_PERIOD = recurrence.LONGEST
 
 
 @overload
-def mean_velocity(run: Trajectory | Record, body: int | str | None = None) -> float: ...
+def mean_velocity(run: Trajectory | Record | OfOneRun, body: int | str | None = None, frequency: float | None = None) -> float: ...
 @overload
-def mean_velocity(run: Summary, body: None = None) -> NDArray[np.float64]: ...
+def mean_velocity(run: Summary, body: None = None, frequency: None = None) -> NDArray[np.float64]: ...
 @explains_arguments
-def mean_velocity(run: Any, body: int | str | None = None) -> Any:
-    r"""Mean steady velocity of a run, as the paper defines it.
+def mean_velocity(run: Any, body: int | str | None = None, frequency: float | None = None) -> Any:
+    r"""Mean steady velocity of a run, as the paper defines it; it is also its attribute ``run.mean_velocity``.
 
     .. math:: V = \frac{x(t_2) - x(t_1)}{t_2 - t_1}
 
@@ -41,9 +43,11 @@ def mean_velocity(run: Any, body: int | str | None = None) -> Any:
 
     Parameters
     ----------
-    run : Trajectory, Summary or Record
+    run : Trajectory, Summary, periodic orbit or Record
     body : int or str, optional
         Number (from 0) or name of one of several bodies (trajectories only).
+    frequency : float, optional
+        Of the drive of a Record [Hz]; else it comes from the record.
 
     Returns
     -------
@@ -68,8 +72,11 @@ def mean_velocity(run: Any, body: int | str | None = None) -> Any:
         return _of_body(run, body)
     if isinstance(run, Summary):
         return run.mean_velocity[()]
-    if hasattr(run, "channels"):  # a measured record
-        return run.mean_velocity()
+    if isinstance(run, Record):
+        return measures.mean_velocity(run, frequency).value
+    of_a_record("mean_velocity", run, frequency=frequency)
+    if isinstance(run, OfOneRun):
+        return run.mean_velocity
     is_run("mean_velocity", run)
     if run.model.period is not None and len(run.strobe_times) < 2:
         raise InputError("mean_velocity", [_too_short(run)])
@@ -96,6 +103,14 @@ def _of_body(run: Any, body: int | str) -> float:
         count = steadiness.window_count(len(run.strobe_times) - 1, int(run.settle), run.steadiness.period)
         t, x = run.strobe_times[-1 - count :], of.strobe_x[-1 - count :]
     return float((x[-1] - x[0]) / (t[-1] - t[0]))
+
+
+def of_a_record(what: str, given: Any, **options: float | None) -> None:
+    """Refuse options of measured records where something else was given."""
+    for name, value in options.items():
+        if value is not None:
+            mistake = f"{name} = {value!r} is for a Record, and {type(given).__name__} given"
+            raise InputError(what, [f"{mistake}, whose drive is known; type ss.{what}(run)"])
 
 
 def is_run(what: str, run: Trajectory | FlowRun) -> None:

@@ -1,4 +1,4 @@
-"""Who draws a result, and who writes its report: results ask here, and `stickslip.show`, which is built on results, answers."""
+"""Who judges a result, draws it and writes its report: results ask here, and the packages that are built on results answer."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _ON_DEMAND: list[Callable[[], object]] = []
 
 
 def provide(kind: str, provider: Provider) -> None:
-    """Register what returns the functions of a kind ("figure", "report") by their names."""
+    """Register what returns the functions of a kind ("number", "figure", "report") by their names."""
     _PROVIDERS[kind] = provider
 
 
@@ -24,7 +24,7 @@ def on_demand(load: Callable[[], object]) -> None:
 
 
 def presenter(kind: str, name: str) -> Callable[..., Any]:
-    """The function that draws a figure, or writes a report.
+    """The function that computes a number of a run, draws a figure, or writes a report.
 
     Examples
     --------

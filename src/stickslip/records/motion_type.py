@@ -118,7 +118,7 @@ def motion(rec: Record, frequency: float | None = None, threshold: float | None 
     --------
     >>> import stickslip as ss
     >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=4.2e-4, law="coulomb")
-    >>> ss.virtual_rig(robot, noise=1e-5).motion().type
+    >>> ss.virtual_rig(robot, noise=1e-5).motion.type
     'I'
     """
     f = frequency_of(rec, frequency)

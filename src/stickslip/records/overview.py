@@ -60,6 +60,29 @@ class Overview:
     synthetic: bool
     aperiodic: str | None = None
 
+    @property
+    def facts(self) -> dict[str, str]:
+        """What there is to say of the whole record."""
+        facts = {"format": self.format} if self.format else {}
+        if self.frequency is not None:
+            facts["drive frequency"] = f"{self.frequency:.9g} ± {self.frequency_error:.2g} Hz"
+        elif self.aperiodic is not None:
+            facts["drive frequency"] = f"none: {self.aperiodic}"
+        return facts
+
+    @property
+    def table(self) -> list[tuple[str, ...]]:
+        """The channels as rows of text below a heading."""
+        head = ("channel", "unit", "role", "values", "rate", "least", "largest", "noise", "gaps", "missing", "clipped")
+        rows = [
+            (
+                c.name, c.unit or "?", c.role or "", str(c.count), f"{c.rate:.6g} {c.rate_unit}", f"{c.least:.6g}", f"{c.largest:.6g}",
+                f"{c.noise:.3g}" if np.isfinite(c.noise) else "", *(str(n) if n else "" for n in (c.gaps, c.missing, c.clipped)),
+            )
+            for c in self.lines
+        ]  # fmt: skip
+        return [head, *rows]
+
     def __str__(self) -> str:
         rows = ["SYNTHETIC: computed, not measured"] if self.synthetic else []
         rows.append(f"{self.format}, {len(self.lines)} channel{'' if len(self.lines) == 1 else 's'}")

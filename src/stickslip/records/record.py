@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-import html
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -14,9 +14,11 @@ import numpy as np
 from stickslip.basics.arguments import Numbers, described_as, explains_arguments
 from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.notebook_display import Drawn
 from stickslip.basics.units import quantity_of
 from stickslip.records import measures, modes, motion_type, saving, segments_and_masks, settling
 from stickslip.records.channel import MEASURED, ROLES, Channel
+from stickslip.records.record_tables import RecordTables
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -32,7 +34,7 @@ _SENSITIVITIES = {"velocity": "100 mm/s/V", "absolute velocity": "100 mm/s/V", "
 @described_as('a Record; type for example ss.read("run.csv")')
 @sealed
 @dataclass(frozen=True, eq=False, repr=False)
-class Record:
+class Record(Drawn, RecordTables):
     """A measured record (or a synthetic one, made by `virtual_rig`). It is never changed; methods return new records.
 
     Parameters
@@ -50,7 +52,7 @@ class Record:
     >>> import numpy as np
     >>> t = np.arange(2000) / 2000
     >>> rec = Record.of(t, {"velocity [mm/s]": 5 * np.sin(2 * np.pi * 20 * t) + 2})
-    >>> rec["velocity"].unit, round(rec.mean_velocity(), 6), round(rec.drive_frequency().value, 6)
+    >>> rec["velocity"].unit, round(rec.mean_velocity, 6), round(rec.drive_frequency().value, 6)
     ('mm/s', 0.002, 20.0)
     """
 
@@ -174,7 +176,6 @@ class Record:
 
     # ---- measures ----
     drive_frequency = explains_arguments(settling.drive_frequency)
-    motion = explains_arguments(motion_type.motion)
     period = explains_arguments(measures.period)
     modes = explains_arguments(modes.modes)
 
@@ -194,22 +195,27 @@ class Record:
         kept, _, said = settling.settled(self, settle, frequency)
         return kept if said is None else kept.replace(notes=(*kept.notes, said.partition(" and are not compared")[0]))
 
-    @explains_arguments
-    def mean_velocity(self, frequency: float | None = None) -> float:
-        """Mean steady velocity over whole drive periods [m/s]."""
-        return measures.mean_velocity(self, frequency).value
+    @property
+    def mean_velocity(self) -> float:
+        """Mean steady velocity over whole drive periods [m/s]; `ss.mean_velocity` takes a frequency."""
+        return measures.mean_velocity(self).value
+
+    @cached_property
+    def motion(self) -> motion_type.MeasuredMotion:
+        """Type and intervals of the mean cycle, and what the noise leaves open; `ss.motion` takes a frequency and thresholds."""
+        return motion_type.motion(self)
 
     @property
     def motion_type(self) -> str:
         """The motion type; if the noise leaves it undecided, the possible ones, such as "I or IV"."""
-        return str(self.motion().type)
+        return str(self.motion.type)
 
     @explains_arguments
     def stick_intervals(
         self, frequency: float | None = None, threshold: float | None = None, dwell: float = 0.03
     ) -> tuple[tuple[float, float], ...]:
         """Intervals at rest, as (start, length) in drive periods."""
-        m = self.motion(frequency, threshold, dwell)
+        m = motion_type.motion(self, frequency, threshold, dwell)
         return tuple((start, length) for start, length, sign in m.intervals if sign == 0)
 
     @explains_arguments
@@ -223,5 +229,13 @@ class Record:
         kind = "synthetic record" if self.synthetic else "Record"
         return f"<{kind}: {', '.join(f'{c.name} [{c.unit or chr(63)}]' for c in self.channels.values())}; {len(self.notes)} notes>"
 
-    def _repr_html_(self) -> str:
-        return f"<pre>{html.escape(str(self.summary))}</pre>"
+    _drawn_by = "record"
+
+    def _title(self) -> str:
+        return "Synthetic record" if self.synthetic else "Record"
+
+    def _facts(self) -> dict[str, Any]:
+        return self.summary.facts
+
+    def _tables(self) -> list[list[tuple[str, ...]]]:
+        return [self.summary.table]

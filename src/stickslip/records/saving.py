@@ -53,7 +53,7 @@ def save(rec: Record, path: str | Path) -> Path:
         problems.add(f"{str(path)!r} ends in {path.suffix or 'nothing'!r}; allowed is .csv; type for example rec.save('run.csv')")
     if not channels:
         problems.add("it has no channels; there is nothing to write")
-    others = [c.name for c in channels if not _adjacent(c, channels[0])]
+    others = [c.name for c in channels if not adjacent(c, channels[0])]
     if others:
         problems.add(
             f"{', '.join(others)} and {channels[0].name} are not sampled at the same times, so they do not fit into one table; save them "
@@ -104,7 +104,8 @@ def _name(text: str) -> str:
         return text
 
 
-def _adjacent(a: Any, b: Any) -> bool:
+def adjacent(a: Any, b: Any) -> bool:
+    """Whether two channels are sampled at the same times, and so stand in one table."""
     return (a.axis_name, a.axis_unit) == (b.axis_name, b.axis_unit) and np.array_equal(a.t, b.t)
 
 

@@ -12,8 +12,9 @@ import numpy as np
 
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
-from stickslip.basics.fields import is_array, leaves
+from stickslip.basics.fields import field_description, is_array, leaves
 from stickslip.basics.jsontext import as_plain
+from stickslip.basics.quantities import axis_in
 from stickslip.basics.status import STATUS
 from stickslip.basics.variables import VARIABLES, unit_of
 from stickslip.models.machine_adapter import machine_of
@@ -203,7 +204,7 @@ def summary_dataset(many: Any) -> Any:
     dims = labels.dims or tuple("case" if len(labels.shape) == 1 else f"case_{i}" for i in range(len(labels.shape)))
     coords = {k: v if isinstance(v, tuple) else ((k,), v) for k, v in (labels.coords or {}).items()}
     if labels.dims is None and many.model is not None:
-        coords |= {name: _placed(value, dims) for name, value in leaves(many.model) if is_array(value)}
+        coords |= {name: (*_placed(value, dims), _axis(many.model, name)) for name, value in leaves(many.model) if is_array(value)}
     parts = {} if many.model is None else machine_of(many.model).part_names
     coords |= {dim: ((dim,), list(names)) for dim, names in parts.items()}
     data = {
@@ -211,6 +212,30 @@ def summary_dataset(many: Any) -> Any:
         for name, column in many.columns.items()
     }  # fmt: skip
     return xr.Dataset(data, coords=coords, attrs={"provenance": json.dumps(as_plain(many.provenance))})
+
+
+def columns_of_batch(many: Any) -> FileColumns:
+    """The columns of a batch for a file, with the numbers that vary."""
+    data = many.to_xarray()
+    frame = data.to_dataframe().reset_index()
+    frame = frame[[name for name in frame if name not in data.data_vars] + list(data.data_vars)]
+    units = {name: str(data[name].attrs.get("units", "1")) if name in data else "1" for name in frame}
+    meanings = {name: str(data[name].attrs.get("long_name", "")) if name in data else "" for name in frame}
+    shown = {name: "" if unit == "1" else unit for name, unit in units.items()}
+    head = [(f"{name} [{unit}]" if unit else name, unit, meanings[name]) for name, unit in shown.items()]
+    columns = {name: _plain(frame[name].to_numpy()) for name in frame}
+    return FileColumns(columns, units, {}, head, list(columns.values()), dict(data.attrs))
+
+
+def _plain(values: Array) -> Any:
+    """A column of a frame as numbers or words, not as objects."""
+    return values.astype(str) if values.dtype == object else values
+
+
+def _axis(model: Any, name: str) -> dict[str, str]:
+    """Units and long name of a number of a model."""
+    described = axis_in(field_description(model, name))
+    return {} if described is None else {"units": described[1], "long_name": described[0]}
 
 
 def _dims_of_case(name: str, dims: tuple[str, ...], parts: dict[str, Any]) -> tuple[str, ...]:

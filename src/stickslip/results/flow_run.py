@@ -209,6 +209,13 @@ class FlowRun(RunFiles, Drawn):
         early = [f"the run was {self.status}"] if self.interrupted else []
         return [*early, *([f"{self.method}: {self.provenance['why']}"] if self.provenance.get("why") else [])]
 
+    def __getattr__(self, name: str) -> Any:
+        if name in ("mean_velocity", "motion"):
+            raise AttributeError(
+                f"the run of a flow has no {name}: a flow has no bodies; type run[name] for a state, run.strobe for its strobe points"
+            )
+        raise AttributeError(f"the run of a flow has no {name!r}")
+
     @property
     def interrupted(self) -> bool:
         """Whether the run was interrupted before its end: `status` says when."""

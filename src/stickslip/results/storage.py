@@ -83,6 +83,17 @@ def save(run: Any, path: str | Path) -> Path:
     return save_datasets(path, {"": (data, encoding), "pieces": (pieces, {name: {"_FillValue": None} for name in arrays})})
 
 
+def save_batch(many: Any, path: str | Path) -> Path:
+    """Write the columns of a batch to a file whose ending says what it holds, as of runs; returns its path."""
+    path = as_path(path, "save", "many.nc")
+    if path.suffix.lower() in _OF_COLUMNS:
+        return save_columns(many, path)
+    if path.suffix.lower() not in NETCDF:
+        raise InputError("save", [f"{str(path)!r} ends in {path.suffix!r}; allowed are {_ENDINGS}; type for example many.save('many.nc')"])
+    attributes = {"stickslip_format": FORMAT, "stickslip_content": "batch"}
+    return save_datasets(path, {"": (many.to_xarray().assign_attrs(attributes), {})})
+
+
 def save_datasets(path: Path, groups: dict[str, tuple[Any, dict[str, Any]]], doing: str = "save") -> Path:
     """Write datasets with their encodings to the groups of one netCDF4 file ("" is its root); returns its path."""
     import h5netcdf
@@ -268,10 +279,11 @@ def to_excel(run: Any, path: str | Path) -> Path:
     path, table = as_path(path, "to_excel", "run.xlsx"), run._table()
     rows = zip(*(np.asarray(values).tolist() for values in table.flat), strict=True)
     with whole_file(path, unwritable("to_excel")) as file:
-        write_workbook(file, table.head, rows, len(run.t), table.about, "to_excel")
+        write_workbook(file, table.head, rows, len(table.flat[0]), table.about, "to_excel")
     return path
 
 
 #: Endings of a file that `load` reads back, and of those that hold the columns alone.
 NETCDF = (".nc", ".nc4", ".h5", ".hdf5", "")
 _OF_COLUMNS: dict[str, Callable[[Any, Path], Path]] = {".csv": to_csv, ".xlsx": to_excel, ".mat": to_mat}
+_ENDINGS = f"{', '.join((*filter(None, NETCDF), *list(_OF_COLUMNS)[:-1]))} and {list(_OF_COLUMNS)[-1]}"

@@ -4,21 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from stickslip.basics.errors import did_you_mean
 from stickslip.basics.frozen_arrays import seal, sealed
+from stickslip.basics.notebook_display import Drawn
 from stickslip.basics.status import Status, code_counts
 from stickslip.basics.variables import VARIABLES
 from stickslip.models.mechanics import declares_parts
+from stickslip.results.batch_files import BatchFiles
 from stickslip.results.part_notes import notes_of_cases
 from stickslip.results.steadiness import IRREGULAR, STEADINESS, UNSETTLED, unsettled_note
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
 
 _RESTLESS = (STEADINESS[UNSETTLED], STEADINESS[IRREGULAR])
 
@@ -59,7 +57,7 @@ class Columns(Mapping[str, Any]):
 
 @sealed
 @dataclass(frozen=True, eq=False, repr=False)
-class Summary:
+class Summary(Drawn, BatchFiles):
     """Results of a batch; each column is an attribute with the shape of the batch.
 
     Parameters
@@ -99,6 +97,10 @@ class Summary:
         columns = self.__dict__.get("columns", {})
         if name in columns:
             return np.asarray(columns[name])
+        if name == "motion":
+            raise AttributeError(
+                "a batch has no motion as a whole; type many.motion_type, many.pattern or many.margin for those of its cases"
+            )
         model, known = self.__dict__.get("model"), VARIABLES.get(name)
         if known is not None and known.dims in ((), ("stop",)) and declares_parts(model):  # machines of parts have not all columns
             kind = type(model).__name__
@@ -149,15 +151,7 @@ class Summary:
             firsts.setdefault(int(status[at]), f"{which}{sentence}")
         return list(firsts.values())
 
-    def to_xarray(self) -> xr.Dataset:
-        """The columns as an `xarray.Dataset` with units, names and the batch's own labels."""
-        from stickslip.results.datasets import summary_dataset
-
-        return summary_dataset(self)
-
-    def to_dataframe(self) -> pd.DataFrame:
-        """The columns as a `pandas.DataFrame`, a row for each case (and body, contact or stop, where a machine has several)."""
-        return self.to_xarray().to_dataframe()
+    _drawn_by = "batch"
 
     def __repr__(self) -> str:
         ends = "; ".join(f"{n} {sentence}" for sentence, n in self.status_counts.items()) if "status" in self.columns else ""

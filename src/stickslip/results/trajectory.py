@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -10,11 +11,11 @@ import numpy as np
 
 from stickslip.basics.arguments import Numbers, described_as, explains_arguments
 from stickslip.basics.contracts import Array, ArrayLike
-from stickslip.basics.errors import InputError, did_you_mean
+from stickslip.basics.errors import InputError, StickslipError, did_you_mean
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.notebook_display import Drawn
 from stickslip.basics.status import INTERRUPTED, Status
-from stickslip.basics.variables import VARIABLES
+from stickslip.basics.variables import VARIABLES, unit_of
 from stickslip.models import forces
 from stickslip.models.contact_forces import held_by_controllers
 from stickslip.models.drives.drive_adapter import MISTAKEN
@@ -27,20 +28,23 @@ from stickslip.results.part_notes import shared_at_rest
 from stickslip.results.part_runs import BodyRun, ContactRun, ControllerRun
 from stickslip.results.run_files import RunFiles
 from stickslip.results.steadiness import Steadiness, drifting_apart, steadiness_of_run
+from stickslip.results.verbs import Judged
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 #: Samples of a run that has no period: this many times `samples` in all.
 APERIODIC = 10
+#: Velocities of bodies in the columns of a run up to which its motion is judged when it is printed.
+_AT_A_GLANCE = 200_000
 #: What to type for names that a run does not have.
 _INSTEAD = {
     "velocity": "run.v",
     **dict.fromkeys(("position", "displacement"), "run.x"),
     **dict.fromkeys(("time", "times"), "run.t"),
     "force": "run.friction_force",
-    "mean_velocity": "ss.mean_velocity(run)",
-    **dict.fromkeys(("motion", "motion_type", "pattern"), "ss.motion(run)"),
+    "motion_type": "run.motion.type",
+    "pattern": "run.motion.pattern",
     "energy": "ss.energy(run)",
     "spectrum": "ss.spectrum(run)",
 }
@@ -89,7 +93,7 @@ def _force_column(name: str) -> _Column:
 @described_as("a Trajectory; type for example ss.solve(robot)")
 @sealed
 @dataclass(frozen=True, eq=False)
-class Trajectory(Drawn, RunFiles):
+class Trajectory(Drawn, Judged, RunFiles):
     """One run of one machine. It is computed once by `solve`; everything here only reads it.
 
     Its columns are arrays over the same instants: `samples` in each drive period (ten times `samples` over the whole run where the model
@@ -556,11 +560,33 @@ class Trajectory(Drawn, RunFiles):
         seconds = f"{float(self.pieces.t[-1] - self.pieces.t[0]):.6g} s"
         length = seconds if self.model.period is None else f"{self.periods} periods of {self.period_time:.6g} s"
         mistaken = "".join(f"; {note}" for note in machine_of(self.model).notes if note.startswith(MISTAKEN))
-        return f"<Trajectory: {length} by {self.method}, {self.status}{mistaken}>"
+        words = self._moves
+        moves = ", ".join(f"mean velocity {text}" if name == "mean velocity" else text for name, text in words.items())
+        return f"<Trajectory: {length} by {self.method}, {self.status}{'; ' * bool(words)}{moves}{mistaken}>"
+
+    @cached_property
+    def _moves(self) -> dict[str, str]:
+        """Mean velocity, motion and steadiness in words, as far as the run has them; the motion of a long run is not judged for it."""
+        words: dict[str, str] = {}
+        numbers = float(self.pieces.t[-1] - self.pieces.t[0]) / self._step * len(self.pieces.layout.bodies)
+        with suppress(StickslipError):
+            words["mean velocity"] = f"{self.mean_velocity:.6g} {unit_of('v', self.model)}"
+            if numbers <= _AT_A_GLANCE:
+                words["motion"] = self.motion.brief
+            if self.model.period is not None:
+                words["steadiness"] = self.steadiness.word
+        return words
 
     _drawn_by = "velocity"
 
     def _facts(self) -> dict[str, Any]:
         length = f"{float(self.pieces.t[-1] - self.pieces.t[0]):.6g} s"
         periods = {} if self.model.period is None else {"periods": f"{self.periods} of {self.period_time:.6g} s ({self.settle} to settle)"}
-        return {"machine": type(self.model).__name__, "method": self.method, "status": self.status, "length": length, **periods}
+        return {
+            "machine": type(self.model).__name__,
+            "method": self.method,
+            "status": self.status,
+            "length": length,
+            **periods,
+            **self._moves,
+        }

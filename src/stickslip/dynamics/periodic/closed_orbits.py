@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +12,7 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.notebook_display import Drawn
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 from stickslip.models.machine_adapter import machine_of
+from stickslip.results.verbs import OfOneRun
 
 if TYPE_CHECKING:
     from stickslip.results.trajectory import Trajectory
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 NEUTRAL = 1e-8  # how far from 1 a multiplier of 1 may be computed
 
 
-class Repeating(Drawn, ABC):
+class Repeating(Drawn, OfOneRun):
     """A periodic motion, with its stability from its multipliers."""
 
     multipliers: Any  # array: a field of orbits of flows, a property of those of machines

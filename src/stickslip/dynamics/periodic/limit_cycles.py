@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.analysis.oscillation import Oscillation, oscillation_of_cycle
 from stickslip.analysis.section_choice import cut_of, passages
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, SolveError
@@ -108,6 +109,11 @@ class LimitCycle(ClosedMotion):
         x = self.run.with_axes.at(np.array([0.0, self.duration]))["x"]
         first, last = way_of_machine(self.model, x)
         return float((last - first) / self.duration)
+
+    @cached_property
+    def motion(self) -> Oscillation:
+        """What `ss.motion` returns of a run that ends on the cycle."""
+        return oscillation_of_cycle(self.run, self.period, self.residual)
 
     def _begins(self, pattern: str) -> int:
         return "0+-".index(pattern[0])

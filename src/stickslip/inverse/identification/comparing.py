@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.analysis.motion import coulomb_twin, motion
+from stickslip.analysis.steady import mean_velocity
 from stickslip.basics.arguments import Law, Model, described_as, explains_arguments
 from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.basics.frozen_arrays import sealed
@@ -22,6 +23,7 @@ from stickslip.inverse.identification.targets import Target, target
 from stickslip.models.friction import LAWS
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.records import Record
+from stickslip.records.motion_type import motion as measured_motion
 from stickslip.records.settling import settled
 
 _PHASES = 400
@@ -286,7 +288,7 @@ def _measured(record: Record, target_of: Target, shift: float) -> ComparisonRow:
     index = np.minimum((turn * bins).astype(int), bins - 1)
     count = np.bincount(index, target_of.weight * np.ones(target_of.count), bins)
     mean = np.bincount(index, target_of.weight * target_of.y, bins) / np.where(count > 0, count, np.nan)
-    m, V = record.motion(target_of.frequency), record.mean_velocity(target_of.frequency)
+    m, V = measured_motion(record, target_of.frequency), mean_velocity(record, frequency=target_of.frequency)
     first = -float(shift)
     events = tuple((float(np.mod(start - first, target_of.period)), "stick") for start, _, sign in m.intervals if sign == 0)
     phase = (np.arange(bins) + 0.5) / bins * target_of.period

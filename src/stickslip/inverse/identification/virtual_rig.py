@@ -79,7 +79,7 @@ def virtual_rig(
     --------
     >>> import stickslip as ss
     >>> rec = ss.virtual_rig(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), noise=1e-4, seed=1)
-    >>> rec.synthetic, len(rec["velocity"]), round(rec.mean_velocity() * 1e3, 1)
+    >>> rec.synthetic, len(rec["velocity"]), round(rec.mean_velocity * 1e3, 1)
     (True, 2000, 1.7)
     """
     _check(noise, periods, settle, samples, channels, bandwidth, resolution, harmonics, robot)

@@ -5,6 +5,7 @@ from typing import Any
 
 from .atlas import atlas as atlas
 from .attractors import attractors as attractors
+from .batches import batch as batch
 from .bench import bench as bench
 from .chaos_maps import chaos_map as chaos_map
 from .checks_and_designs import check as check, design as design, ranking as ranking
@@ -21,6 +22,7 @@ from .records import (
     autocorrelation as autocorrelation,
     comparison as comparison,
     fitted as fitted,
+    record as record,
     record_spectrum as record_spectrum,
     residuals as residuals,
 )

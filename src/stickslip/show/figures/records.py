@@ -39,6 +39,57 @@ def _words(kind: str, unit: str) -> str:
 
 
 @drawing
+def record(record: Record, channel: str | None = None, ax: Ax = None) -> Any:
+    """A channel of a record over its axis; of a long one the lowest and the highest value in each of 1500 stretches.
+
+    Parameters
+    ----------
+    record : Record
+    channel : str, optional
+        Its name or its role; the velocity of the body if not given, else the position, else the first.
+    ax : matplotlib Axes, optional
+
+    Returns
+    -------
+    matplotlib Axes
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb")
+    >>> ss.plot.record(ss.virtual_rig(robot, noise=1e-4, seed=1)).get_ylabel()
+    'velocity (mm/s)'
+    """
+    if not isinstance(record, Record):
+        raise InputError("plot", [f"record = {record!r}; allowed is a Record; type ss.plot.record(ss.read(path))"])
+    if not record.channels:
+        raise InputError("plot", ["the record has no channels; there is nothing to draw"])
+    shown = record[channel or next((role for role in ("velocity", "position") if role in record), next(iter(record)))]
+    ax = axes(ax)
+    values = abs(shown.values) if np.iscomplexobj(shown.values) else np.asarray(shown.values, float)
+    unit = SI.get(quantity_of(shown.unit) or "")
+    factor, letter = prefix(shown.si[np.isfinite(values)]) if unit else (1.0, "")
+    t, y = _outline(np.asarray(shown.t, float), shown.si * factor if unit else values)
+    ax.plot(t, y, color=COLOURS[0], linewidth=0.6, rasterized=True)
+    label = f"{letter}{unit}" if unit else shown.unit
+    ax.set(xlabel=_named(shown.axis_name or "axis", shown.axis_unit), ylabel=_named(shown.name, label))
+    return ax
+
+
+def _named(name: str, unit: str | None) -> str:
+    return name if unit is None else f"{name} ({unit})"
+
+
+def _outline(t: Array, y: Array) -> tuple[Any, Any]:
+    """A curve of at most 3000 points that looks like the whole: the lowest and the highest value of each stretch."""
+    if len(y) <= _DOTS:
+        return t, y
+    edges = np.linspace(0, len(y), _DOTS // 2 + 1).astype(int)[:-1]
+    both = np.column_stack([np.fmin.reduceat(y, edges), np.fmax.reduceat(y, edges)])
+    return np.repeat(t[edges], 2), both.ravel()
+
+
+@drawing
 def comparison(comparison: Comparison, ax: Ax = None) -> Any:
     """A record and several laws over one drive period, as in Figs 7 to 10 of the paper.
 

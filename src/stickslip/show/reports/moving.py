@@ -131,7 +131,7 @@ def _columns(run: Trajectory, at: dict[str, Any]) -> Iterator[tuple[dict[str, An
 
 
 def _body(part: dict[str, Any], x: Array, v: Any, at: dict[str, Any]) -> dict[str, Any]:
-    first = at["x"][0] if v is None else x[0]
+    first = at["x"][0, 0] if v is None else x[0]
     return {**part, "x": _plain(1e3 * (x - first)), "v": None if v is None else _plain(1e3 * v)}
 
 

@@ -75,8 +75,8 @@ def _measured(rec: Any, settle: int | str) -> dict[str, Any]:
         rec, _, said = settled(rec, settle)
         if said:
             measures["start"] = said.replace("compared with steady motion;", "measured;")
-        measures["mean velocity"] = show.quantity_text(rec.mean_velocity(), "m/s")
-        measures["motion type"] = rec.motion().verdict
+        measures["mean velocity"] = show.quantity_text(rec.mean_velocity, "m/s")
+        measures["motion type"] = rec.motion.verdict
     except InputError:
         pass
     return measures
