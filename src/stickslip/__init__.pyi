@@ -147,6 +147,7 @@ from .models.drives import (
     VerticalVibration as VerticalVibration,
     cantilever_eigenvalues as cantilever_eigenvalues,
 )
+from .models.flow_contacts import FlowContact as FlowContact
 from .models.force_rig import ForceRig as ForceRig
 from .models.friction import (
     GMS as GMS,

@@ -13,7 +13,7 @@ import pytest
 import stickslip as ss
 from rows import each_row
 from stickslip import maths
-from stickslip.dynamics.derivatives.forward_ad import variables
+from stickslip.basics.forward_ad import variables
 from stickslip.engine import cache
 from stickslip.engine.kernel_text import function, header, written
 from stickslip.engine.rows import write_rows

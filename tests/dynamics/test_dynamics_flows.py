@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from stickslip.dynamics.derivatives.forward_ad import variables
+from stickslip.basics.forward_ad import variables
 from stickslip.maths import cos, exp, sin, sqrt, tanh, where
 
 # exponents of maps and smooth flows --------------------------------------------------------------------------------

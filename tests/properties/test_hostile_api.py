@@ -176,6 +176,7 @@ def examples():
              "scales": (1.0,), "numbers": None}),
         "solve of a flow": (ss.solve, {"model": flow, "start": [1.0, 0.0], "duration": 1.0, "keep": None, "samples": 10, "mode": 0,
              "method": "auto"}),
+        "FlowContact": (ss.FlowContact, {"slip": lambda t, y: y[0], "friction": ss.Coulomb(0.2, 0.2), "load": 9.81}),
         "Switch": (ss.Switch, {"guard": lambda t, y: y[0], "to": 0, "reset": None}),
         "fold": (tracks.fold, {"mu": 0.2, "tilt": 0.03}),
         # methods

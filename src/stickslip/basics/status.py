@@ -36,6 +36,7 @@ class Status(IntEnum):
     SWITCHES = 8, "as many switches as were allowed"
     CHATTERS = 9, "its switches accumulate: it chatters, or comes to rest in ever shorter jumps"
     RETURNED = 10, "came back to the section"
+    UNBRAKED = 11, "the friction of a contact no longer acts against its slip, so that no force that holds it follows"
     FAILED = 100, "error in the law or the solver for this case"
     NOT_COMPUTED = 101, "not computed"
     FILLED = 102, "not computed: filled from computed neighbours of one motion type"

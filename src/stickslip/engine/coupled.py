@@ -11,7 +11,7 @@ from functools import reduce
 from typing import Any
 
 from stickslip.engine.assembly import Assembly
-from stickslip.engine.symbols import Sym
+from stickslip.engine.symbols import Graph, Sym
 from stickslip.engine.system import Branches, TracedContact
 
 _TIE = 1e-13  # of the terms of a condition: what rounding may make of one that holds with equality
@@ -147,7 +147,7 @@ def add_feet(parts: Assembly, every: list[int], speeds: list[Sym | None]) -> Non
 
 def add_box(parts: Assembly, group: list[int], speeds: list[Sym | None]) -> None:
     """Bodies on bodies: what rests together has forces that follow from one another, and every combination is looked at."""
-    box = _Box(parts, group)
+    box = _box_of(parts, group)
     m, graph = parts.m, parts.m.graph
     one, zero = graph.constant(1.0), graph.constant(0.0)
     forces = box.forces(box.modes)
@@ -175,30 +175,49 @@ def add_box(parts: Assembly, group: list[int], speeds: list[Sym | None]) -> None
         parts.first_modes[number] = new
 
 
-class _Box:
-    """The contact problem of a group: rates of slips w' = beta - G R, with R told by mode or found where contacts rest."""
+def _box_of(parts: Assembly, group: list[int]) -> Box:
+    """The contact problem of some contacts of a machine."""
+    m, graph = parts.m, parts.m.graph
+    slide, limits = {i: sliding_both_ways(parts, i) for i in group}, {i: limits_of(parts, i) for i in group}
+    masses, rows = list(map(m.lift, m.equations.masses)), m.directions
+    G = {
+        (i, k): _total([graph.constant(0.0), *(a * b / mass for a, b, mass in zip(rows[i], rows[k], masses, strict=True) if a * b)])
+        for i in group
+        for k in group
+    }
+    accelerations = m.accelerations({})
+    free = {
+        i: _total([*(g * a for g, a in zip(m.directions[i], accelerations, strict=True) if g), graph.derivative(m.slips[i], m.t)])
+        for i in group
+    }
+    return Box(graph, {i: parts.modes[i] for i in group}, slide, limits, G, free)
 
-    def __init__(self, parts: Assembly, group: list[int]):
-        self.parts, self.m, self.group = parts, parts.m, group
-        m, graph = parts.m, parts.m.graph
-        self.modes = {i: parts.modes[i] for i in group}
-        self.slide = {i: sliding_both_ways(parts, i) for i in group}
-        self.limits = {i: limits_of(parts, i) for i in group}  # backward, forward
-        masses, rows = list(map(m.lift, m.equations.masses)), m.directions
-        self.G = {
-            (i, k): _total([graph.constant(0.0), *(a * b / mass for a, b, mass in zip(rows[i], rows[k], masses, strict=True) if a * b)])
-            for i in group
-            for k in group
-        }
-        self.free = self._rates(m.accelerations({}))
 
-    def _rates(self, accelerations: tuple[Sym, ...]) -> dict[int, Sym]:
-        """Rates of the slips under accelerations of the coordinates."""
-        m = self.m
-        return {
-            i: _total([*(g * a for g, a in zip(m.directions[i], accelerations, strict=True) if g), m.graph.derivative(m.slips[i], m.t)])
-            for i in self.group
-        }
+class Box:
+    """The contact problem of a group: rates of slips w' = beta - G R, with R told by mode or found where contacts rest.
+
+    Parameters
+    ----------
+    graph : Graph
+    modes : dict
+        By number of the contact, its mode.
+    slide, limits : dict
+        Friction forces of sliding (forwards, backwards), and those that it can bear at rest (backward, forward).
+    G, free : dict
+        How much the force of contact k takes of the rate of slip i, by (i, k); and the rates without friction.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        modes: dict[int, Sym],
+        slide: dict[int, tuple[Sym, Sym]],
+        limits: dict[int, tuple[Sym, Sym]],
+        G: dict[tuple[int, int], Sym],
+        free: dict[int, Sym],
+    ):
+        self.graph, self.group = graph, list(modes)
+        self.modes, self.slide, self.limits, self.G, self.free = modes, slide, limits, G, free
 
     def beta(self, forces: dict[int, Sym]) -> dict[int, Sym]:
         """Rates of the slips under some of the forces."""
@@ -219,7 +238,7 @@ class _Box:
 
     def forces(self, modes: dict[int, Sym]) -> dict[int, Sym]:
         """The friction forces in any mode: those of what slides, and what holds the rest."""
-        graph, zero = self.m.graph, self.m.graph.constant(0.0)
+        graph, zero = self.graph, self.graph.constant(0.0)
         sliding = {i: graph.by_side(modes[i], self.slide[i][0], self.slide[i][1], zero) for i in self.group}
         beta = self.beta(sliding)
 
@@ -239,7 +258,7 @@ class _Box:
 
     def decided(self, now: dict[int, Sym]) -> dict[int, Sym]:
         """Modes of the contacts: the first combination that agrees with its own forces, those with more contacts at rest first."""
-        graph, group = self.m.graph, self.group
+        graph, group = self.graph, self.group
         one = graph.constant(1.0)
         sets = sorted(itertools.product((0, 1, -1), repeat=len(group)), key=lambda sides: sum(map(abs, sides)))
         new = {i: graph.constant(0.0) for i in group}
@@ -251,7 +270,7 @@ class _Box:
 
     def _conditions(self, given: dict[int, int], now: dict[int, Sym]) -> list[Sym]:
         """Conditions of a combination, positive if met: resting forces within their limits, slips that begin to the right side."""
-        graph, one = self.m.graph, self.m.graph.constant(1.0)
+        graph, one = self.graph, self.graph.constant(1.0)
         at_limit = {i: self.limits[i][1 if side > 0 else 0] for i, side in given.items() if side}
         sliding = {i: graph.by_side(now[i], self.slide[i][0], self.slide[i][1], at_limit[i]) for i in at_limit}
         beta = self.beta(sliding)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,11 +28,14 @@ _WHAT = "SwitchingFlow"
 
 def _calls(flow: SwitchingFlow, t: float, y: list[float]) -> Calls:
     """Every function of a flow without numbers, each with a state of its own."""
+    own, R = len(y) - len(flow.inner), (SimpleNamespace(**_forces(flow)),) if flow.contacts else ()
 
-    def called(f: Callable[..., Any]) -> Callable[[], Any]:
-        return lambda: _numbers(f(t, np.array(y)))
+    def called(f: Callable[..., Any], *more: Any) -> Callable[[], Any]:
+        return lambda: _numbers(f(t, np.array(y[:own]), *more))
 
-    functions: dict[str, Callable[[], Any]] = {f"fields[{mode!r}]": called(f) for mode, f in flow.fields.items()}
+    functions: dict[str, Callable[[], Any]] = {f"fields[{mode!r}]": called(f, *R) for mode, f in flow.fields.items()}
+    for contact, each in flow.contacts.items():
+        functions |= {f"contacts[{contact!r}].slip": called(each.slip), f"contacts[{contact!r}].load": called(each.normal)}
     for mode, exits in flow.switches.items():
         for k, switch in enumerate(exits):
             name = f"switches[{mode!r}][{k}]"
@@ -39,8 +43,13 @@ def _calls(flow: SwitchingFlow, t: float, y: list[float]) -> Calls:
             if switch.reset is not None:
                 functions[f"{name}.reset"] = called(switch.reset)
             if callable(switch.to):
-                functions[f"{name}.to"] = lambda to=switch.to: (to(t, np.array(y)),)
+                functions[f"{name}.to"] = lambda to=switch.to: (to(t, np.array(y[:own])),)
     return functions
+
+
+def _forces(flow: SwitchingFlow) -> dict[str, float]:
+    """Friction forces with which a field is asked."""
+    return {name: 0.7 + 0.2 * k for k, name in enumerate(flow.contacts)}
 
 
 def _numbers(value: Any) -> tuple[Any, ...]:
@@ -56,7 +65,7 @@ def _plain(flow: SwitchingFlow) -> Any:
 def _points(flow: SwitchingFlow, n: int) -> list[tuple[float, list[float]]]:
     """Times and states at which a flow is asked, always the same."""
     draw, period = random.Random(20261128), flow.period
-    scales = [float(np.ravel(s)[0]) for s in flow.scales or (1.0,) * n]
+    scales = [float(np.ravel(s)[0]) for s in flow.scales or (1.0,) * (n - len(flow.inner))] + [1.0] * len(flow.inner)
     span = 10.0 if period is None else float(np.ravel(period)[0])
     return [
         (span * draw.uniform(0.0, 1.0), [size * scale * draw.uniform(-1.0, 1.0) for scale in scales])
@@ -102,5 +111,10 @@ def _values(traced: TracedFlow, flow: SwitchingFlow, points: list[tuple[float, l
     known: dict[str, Any] = {name: value * (1 + aside * moved.uniform(-1, 1)) for name, value in own.items()}
     columns = {"t": [t for t, _ in points]} | {f"y{i}": [y[i] for _, y in points] for i in range(traced.n)}
     known |= {name: np.array(column) * (1 + aside * moved.uniform(-1, 1, count)) for name, column in columns.items()}
-    known |= {BEGIN: 0.0, MOST: 1e4, SPAN: 1.0} | {f"{SIZE}{i}": 1.0 for i in range(traced.n)} | {f"mode{k}": 1.0 for k in range(4)}
+    known |= {f"R_{name}": force * (1 + aside * moved.uniform(-1, 1)) for name, force in _forces(flow).items()}
+    known |= (
+        {BEGIN: 0.0, MOST: 1e4, SPAN: 1.0}
+        | {f"{SIZE}{i}": 1.0 for i in range(traced.n)}
+        | {f"mode{k}": 1.0 for k in range(len(traced.held))}
+    )
     return values_by_name(traced.graph, known, traced.expressions, (count,))

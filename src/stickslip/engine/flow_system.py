@@ -11,10 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.status import Status
+from stickslip.engine.flow_contacts import FlowContacts
+from stickslip.engine.graphs import Substituted
 from stickslip.engine.symbolic import SPAN
 from stickslip.engine.symbols import Condition, Graph, Sym, TraceError
 from stickslip.engine.system import System, TracedSwitch
@@ -111,50 +114,79 @@ class TracedFlow:
     def __init__(self, flow: SwitchingFlow, n: int):
         self.flow, self.n, self.graph = flow, n, _Asking()
         graph = self.graph
-        self.modes = tuple(flow.fields)
+        self.modes, self.own = tuple(flow.fields), n - len(flow.inner)
         self.t, self.y = graph.variable("t"), tuple(graph.variable(f"y{i}") for i in range(n))
         self.time = self.t + graph.case(BEGIN)
-        self.held = tuple(graph.mode(f"mode{k}") for k in range(4))
-        self.mode, self.count, self.burst, self.since = self.held
         self.numbers = {name: graph.case(name) for name in flow.numbers}
-        self.fields = [self._numbers(self._called(flow.fields[mode]), n) for mode in self.modes]
+        self.clerks = tuple(graph.mode(f"mode{k}") for k in range(4))
+        self.number_of_mode, self.count, self.burst, self.since = self.clerks
+        self.contacts = FlowContacts(self, self.y)
+        sides = tuple(self.contacts.sides.values())
+        self.mode = graph.mode(f"mode{len(self.clerks)}") if sides else self.number_of_mode  # of the field
+        self.held = (*self.clerks, self.mode, *sides) if sides else self.clerks
+        given = self.contacts.given
+        self.fields = [self.numbers_of(self.called(flow.fields[mode], *given), self.own) for mode in self.modes]
         exits = [(k, switch) for k, mode in enumerate(self.modes) for switch in flow.switches.get(mode, ())]
-        self.guards = [(k, self._numbers(self._called(switch.guard), 1)[0]) for k, switch in exits]
+        self.guards = [(k, self.numbers_of(self.called(switch.guard), 1)[0]) for k, switch in exits]
+        if self.contacts.names:
+            self.rates  # noqa: B018  # before nothing is held
         graph.at_once = True  # from here on nothing is held
+        self.first = self.contacts.first()
         self.switches = [self._switch(switch) for _, switch in exits]
         self.exits = exits
+
+    @cached_property
+    def rates(self) -> list[Sym]:
+        """The rates of all states in any mode."""
+        rates = [self.within(0, len(self.modes), lambda k, i=i: self.fields[k][i]) for i in range(self.own)]  # type: ignore[misc]
+        return self.contacts.applied(rates)
+
+    @cached_property
+    def scales(self) -> tuple[Sym, ...]:
+        """What each state is measured against."""
+        return tuple(self.graph.case(f"{SIZE}{i}") for i in range(self.n))
+
+    @cached_property
+    def sizes(self) -> tuple[Sym, ...]:
+        """Sizes of the states where a step begins."""
+        return _sizes(self.graph, self.y, self.scales)
 
     @property
     def expressions(self) -> dict[str, tuple[Sym, ...]]:
         """The value of every function of the flow, by the function's name."""
         expressions = {f"fields[{mode!r}]": tuple(rates) for mode, rates in zip(self.modes, self.fields, strict=True)}
+        for name, slip, load in zip(self.contacts.names, self.contacts.slips, self.contacts.loads, strict=True):
+            expressions |= {f"contacts[{name!r}].slip": (slip,), f"contacts[{name!r}].load": (load,)}
         for mode in self.modes:
             own = [k for k, (at, _) in enumerate(self.exits) if self.modes[at] == mode]
             for number, k in enumerate(own):
                 name, switch = f"switches[{mode!r}][{number}]", self.switches[k]
-                after = tuple(y if new is None else new for y, new in zip(self.y, switch.states, strict=True))
-                expressions |= {f"{name}.guard": (self.guards[k][1],), f"{name}.reset": after, f"{name}.to": switch.modes[:1]}
+                after = tuple(y if new is None else new for y, new in zip(self.y, switch.states, strict=True))[: self.own]
+                to = self._to(self.exits[k][1])
+                expressions |= {f"{name}.guard": (self.guards[k][1],), f"{name}.reset": after, f"{name}.to": (to,)}
         return expressions
 
     # ---- what a user's functions give ----
-    def _called(self, f: Callable[..., Any]) -> Any:
-        extra = (SimpleNamespace(**self.numbers),) if self.numbers else ()
+    def called(self, f: Callable[..., Any], *more: Any) -> Any:
+        """What a function of the flow gives."""
+        extra = (*more, SimpleNamespace(**self.numbers)) if self.numbers else more
         self.graph.of_user = True
-        value = self.graph.explored(lambda: f(self.time, list(self.y), *extra))
+        value = self.graph.explored(lambda: f(self.time, list(self.y[: self.own]), *extra))
         self.graph.of_user = False
         return value
 
-    def _numbers(self, value: Any, count: int) -> list[Sym]:
+    def numbers_of(self, value: Any, count: int) -> list[Sym]:
         """So many expressions, choices as selects."""
         if isinstance(value, _Choice):
-            yes, no = self._numbers(value.yes, count), self._numbers(value.no, count)
+            yes, no = self.numbers_of(value.yes, count), self.numbers_of(value.no, count)
             return [value.condition.__ss_where__(a, b) for a, b in zip(yes, no, strict=True)]
         rows = list(value) if hasattr(value, "__iter__") else [value]
         if len(rows) != count:
             raise TraceError(f"{len(rows)} numbers where {count} are wanted")
-        return [self._number(row) for row in rows]
+        return [self.number(row) for row in rows]
 
-    def _number(self, row: Any) -> Sym:
+    def number(self, row: Any) -> Sym:
+        """A number that a function of the flow or a law gave."""
         if isinstance(row, Sym):
             return row
         self.graph.of_user = True
@@ -176,28 +208,61 @@ class TracedFlow:
         return self.graph.constant(1.0 + self.modes.index(mode))
 
     # ---- what a mode chooses ----
-    def within(self, low: int, high: int, of: Callable[[int], Sym]) -> Sym:
-        """The choice among the modes from low to below high, by bisection."""
+    def within(self, low: int, high: int, of: Callable[[int], Sym], mode: Sym | None = None) -> Sym:
+        """The choice among the modes of the field, or those of another number, from low to below high, by bisection."""
         if high - low == 1:
             return of(low)
         middle = (low + high) // 2
-        beyond = self.mode - self.graph.constant(middle + 0.5)
-        return self.graph.select(beyond, self.within(middle, high, of), self.within(low, middle, of))
+        beyond = (self.mode if mode is None else mode) - self.graph.constant(middle + 0.5)
+        return self.graph.select(beyond, self.within(middle, high, of, mode), self.within(low, middle, of, mode))
 
     def only_in(self, places: set[int], guard: Sym, other: Sym) -> Sym:
         """A guard in some modes, and what does not vary in the others."""
         return self.within(0, len(self.modes), lambda k: guard if k in places else other)
 
     # ---- switches ----
+    def _to(self, switch: Any) -> Sym:
+        """The number of the field's mode after a switch."""
+        return self._number_of(self.called(switch.to) if callable(switch.to) else switch.to)
+
     def _switch(self, switch: Any) -> TracedSwitch:
-        to = self._number_of(self._called(switch.to) if callable(switch.to) else switch.to)
-        states = tuple(self._numbers(self._called(switch.reset), self.n)) if switch.reset is not None else self.y
+        to = self._to(switch)
+        own = tuple(self.numbers_of(self.called(switch.reset), self.own)) if switch.reset is not None else self.y[: self.own]
+        states = (*own, *self.y[self.own :])
+        after = Substituted(self.graph, {self.mode.name: to} | {y.name: new for y, new in zip(self.y, states, strict=True)})
+        sides = {i: after.of(side) for i, side in self.first.items()}
+        return self._switched(to, sides, {j: new for j, (new, y) in enumerate(zip(states, self.y, strict=True)) if new is not y})
+
+    def _switched(self, to: Sym, sides: Mapping[int, Sym], states: Mapping[int, Sym]) -> TracedSwitch:
+        """A switch to a mode of the field in which the contacts do this, with new states by number."""
         graph, one = self.graph, self.graph.constant(1.0)
         late = self.t - self.since - graph.constant(_AT_ONCE) * graph.case(SPAN)
         early = self.since - self.t  # a period has begun
         near = graph.select(late, graph.constant(0.0), graph.select(early, graph.constant(0.0), one))
-        modes = (to, self.count + one, near * (self.burst + one), graph.select(near, self.since, self.t))
-        return TracedSwitch(modes, tuple(None if new is y else new for new, y in zip(states, self.y, strict=True)))
+        modes = (self.count + one, near * (self.burst + one), graph.select(near, self.since, self.t))
+        return TracedSwitch((*self._mode(to, sides, *modes),), tuple(states.get(j) for j in range(self.n)))
+
+    def _mode(self, to: Sym, sides: Mapping[int, Sym], *clerks: Sym) -> tuple[Sym, ...]:
+        """All modes, from that of the field, what the contacts do, and the counts of switches."""
+        return (self.contacts.number(to, dict(sides)), *clerks, to, *sides.values()) if sides else (to, *clerks)
+
+    def _first_modes(self) -> tuple[Sym, ...]:
+        """The modes with which a run begins: of a number below zero, a mode of the field, the contacts' are decided by the state."""
+        given, graph, zero = self.number_of_mode, self.graph, self.graph.constant(0.0)
+        if not self.first:
+            return (self.mode, zero, zero, zero)
+        known = list(self.flow.labels.values())
+
+        def decoded(of: Callable[[int], float]) -> Sym:
+            return self.within(0, len(known), lambda k: graph.constant(of(k)), given)
+
+        to = graph.select(-given, -given, decoded(lambda k: 1.0 + self.modes.index(known[k][0])))
+        decided = Substituted(graph, {self.mode.name: to})
+        sides = {
+            i: graph.select(-given, decided.of(side), decoded(lambda k, place=place: float(known[k][1][place])))  # type: ignore[misc]
+            for place, (i, side) in enumerate(self.first.items())
+        }
+        return self._mode(to, sides, zero, zero, zero)
 
     def ends(self) -> list[tuple[Sym, TracedSwitch]]:
         """Conditions that end a run: the largest number of switches, and switches that accumulate."""
@@ -205,33 +270,39 @@ class TracedFlow:
         return [
             (self.graph.case(MOST) - half - self.count, TracedSwitch(same, none, Status.SWITCHES)),
             (self.graph.constant(_MANY - 0.5) - self.burst, TracedSwitch(same, none, Status.CHATTERS)),
+            *self.contacts.ends(),
         ]
 
     # ---- together ----
     def flow_system(self) -> FlowSystem:
         """The flow as a System."""
-        graph, N, n = self.graph, len(self.modes), self.n
-        f = tuple(self.within(0, N, lambda k, i=i: self.fields[k][i]) for i in range(n))  # type: ignore[misc]
+        graph, f = self.graph, tuple(self.rates)
         one, zero = graph.constant(1.0), graph.constant(0.0)
         guards = [self.only_in({k}, guard, one) for k, guard in self.guards]
         held = [self.only_in(self._readers(i), guard, one) for i, guard in enumerate(graph.guards)]
         ends = self.ends()
-        switches = dict(enumerate([*(switch for _, switch in ends), *self.switches], start=len(held)))
-        scales = tuple(graph.case(f"{SIZE}{i}") for i in range(n))
+        rubbing = self.contacts.events()
+        of_contacts = [self._switched(self.mode, sides, states) for _, sides, states in rubbing]
+        guards += [guard for guard, _, _ in rubbing]
+        switches = dict(enumerate([*(switch for _, switch in ends), *self.switches, *of_contacts], start=len(held)))
+        scales = self.scales
         instants = [instant for clock in graph.clocks for instant in instants_of(graph, clock, self.t)]
         names = (*self.numbers, *graph.constants, BEGIN, MOST, *(scale.name for scale in scales), SPAN)
         eq = System(
             graph=graph, names=names, t=self.t, y=self.y, f=f, bodies=(), slips_of=(), single=False, offsets=(), contacts=(), free=zero,
             inertia=None, guards=(*held, *(guard for guard, _ in ends), *guards), signs=len(held), switches=switches,
-            modes=self.held, first_modes=(self.mode, zero, zero, zero), clocks=tuple(graph.clocks), instants=tuple(instants), impulses=(),
+            modes=self.held, first_modes=self._first_modes(), clocks=tuple(graph.clocks), instants=tuple(instants), impulses=(),
             period=graph.case(SPAN), velocity_scale=one, free_velocity=scales[0], scales=scales, cyclic=False, mass=one, shares=(),
-            offered=None, labels=2, sizes=_sizes(graph, self.y, scales),
+            offered=None, labels=2, sizes=self.sizes,
         )  # fmt: skip
-        return FlowSystem(eq, dict(graph.constants), self.modes)
+        return FlowSystem(eq, dict(graph.constants), self.flow.modes)
 
     def _readers(self, flag: int) -> set[int]:
         """The modes in which something reads a flag."""
         name, readers = f"b{flag}", set()
+        contacts = self.contacts
+        if any(node.op == "flag" and node.name == name for node in needed_by([*contacts.slips, *contacts.loads, *contacts.of_laws])):
+            return set(range(len(self.modes)))
         for k, field in enumerate(self.fields):
             own = [guard for mode, guard in self.guards if mode == k]
             if any(node.op == "flag" and node.name == name for node in needed_by([*field, *own])):
@@ -249,7 +320,8 @@ def flow_system(flow: SwitchingFlow, n: int) -> FlowSystem:
 
     Examples
     --------
-    >>> ball = SimpleNamespace(fields={"air": lambda t, y: (y[1], -9.81)}, switches={}, numbers={})
+    >>> from stickslip.models.switching_flow import SwitchingFlow
+    >>> ball = SwitchingFlow({"air": lambda t, y: (y[1], -9.81)})
     >>> found = flow_system(ball, 2)
     >>> found.system.f, found.constants
     ((y1, #-9.81), {'#-9.81': -9.81})

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -22,6 +22,7 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.basics.fields import checked_number, floats, is_array
 from stickslip.basics.maths import cos, pi
+from stickslip.models.flow_contacts import FlowContact, check_contacts, inner_names, inner_scales, mode_labels, resting_contacts
 
 Mode = Hashable
 
@@ -65,8 +66,9 @@ class SwitchingFlow:
 
     Parameters
     ----------
-    fields : dict
-        Mode (a number or a word) -> function of (t, y) that gives the rates.
+    fields : dict or callable
+        Mode (a number or a word) -> function of (t, y) that gives the rates. Of a flow of one mode that function alone. With `contacts`
+        it takes their friction forces too, as f(t, y, R) with R.name [N].
     switches : dict
         Mode -> tuple of `Switch`.
     period : float or callable, optional
@@ -78,6 +80,9 @@ class SwitchingFlow:
         Names of the coordinates of y, in order: the columns of a run. If not given they are y0, y1, and so on.
     scales : tuple of float, optional
         A typical size of each state, against which analyses measure distances; 1 each if not given.
+    contacts : dict of FlowContact, optional
+        Contacts that rub, by name. Rest, break-away and the direction of slip are then modes of the flow, which follow from the state;
+        inner states of their laws are further states, ``z_name``, behind those of the field.
 
     Raises
     ------
@@ -92,6 +97,15 @@ class SwitchingFlow:
     >>> ball = SwitchingFlow({0: lambda t, y, n: (y[1], -9.81)}, {0: (hit,)}, numbers={"r": 0.8}, states=("height", "v"))
     >>> ball.replace(r=0.5).numbers, ball.period
     ({'r': 0.5}, None)
+
+    A block on a belt, whose friction force R brakes it:
+
+    >>> import stickslip as ss
+    >>> belt = ss.FlowContact(slip=lambda t, y, n: y[1] - n.speed, friction=ss.Coulomb(mu_plus=0.2, mu_minus=0.2), load=9.81)
+    >>> field = lambda t, y, R, n: (y[1], -4.0 * y[0] - R.belt)
+    >>> block = SwitchingFlow(field, numbers={"speed": 0.1}, states=("x", "v"), contacts={"belt": belt})
+    >>> block.modes
+    ('belt-', 'belt0', 'belt+')
     """
 
     fields: Mapping[Any, Callable[..., Any]]
@@ -100,16 +114,19 @@ class SwitchingFlow:
     numbers: Mapping[str, float]
     states: tuple[str, ...] | None
     scales: Sequence[Any] | None
+    contacts: Mapping[str, FlowContact]
 
     def __init__(
         self,
-        fields: Mapping[Any, Callable[..., Any]],
+        fields: Mapping[Any, Callable[..., Any]] | Callable[..., Any],
         switches: Mapping[Any, tuple[Switch, ...]] | None = None,
         period: float | Callable[..., Any] | None = None,
         numbers: Mapping[str, float] | None = None,
         states: tuple[str, ...] | None = None,
         scales: Sequence[float] | None = None,
+        contacts: Mapping[str, FlowContact] | None = None,
     ):
+        fields = {0: fields} if callable(fields) else fields
         problems, switches, numbers = Problems("SwitchingFlow"), {} if switches is None else switches, {} if numbers is None else numbers
         _check_fields(problems, fields)
         _check_switches(problems, fields, switches)
@@ -117,11 +134,15 @@ class SwitchingFlow:
         _check_states(problems, states, numbers)
         _check_scales(problems, scales, states)
         _check_period(problems, period, numbers)
+        contacts = check_contacts(problems, contacts, fields)
         problems.check()
         names, sizes = (None if given is None else tuple(given) for given in (states, scales))
         own = {"fields": dict(fields), "switches": dict(switches), "forcing": period, "numbers": numbers, "states": names, "scales": sizes}
+        own["contacts"] = contacts
         for name, value in own.items():
             object.__setattr__(self, name, value)
+        for contact in contacts.values():
+            contact.law(*self._numbers)
 
     @classmethod
     def of_map(
@@ -185,20 +206,21 @@ class SwitchingFlow:
         new = {**(changes or {}), **numbers}
         if wrong := [name for name in new if name not in self.numbers]:
             raise InputError("SwitchingFlow", [f"{name!r} is not a number of the flow; {_known(name, self.numbers)}" for name in wrong])
-        return SwitchingFlow(self.fields, self.switches, self.forcing, {**self.numbers, **new}, self.states, self.scales)
+        return SwitchingFlow(self.fields, self.switches, self.forcing, {**self.numbers, **new}, self.states, self.scales, self.contacts)
 
     @property
     def plain(self) -> SwitchingFlow:
         """The same flow with its numbers substituted: its functions take (t, y)."""
         if not self.numbers:
             return self
-        put = partial(_with_numbers, n=self.given)
-        fields = {mode: put(f) for mode, f in self.fields.items()}
+        put, last = partial(_with_numbers, n=self.given), partial(_with_forces_and_numbers, n=self.given)
+        fields = {mode: last(f) if self.contacts else put(f) for mode, f in self.fields.items()}
         switches = {
             mode: tuple(Switch(put(s.guard), put(s.to) if callable(s.to) else s.to, s.reset and put(s.reset)) for s in exits)
             for mode, exits in self.switches.items()
         }
-        return SwitchingFlow(fields, switches, self.period, {}, self.states, self.scales)
+        contacts = {name: contact.with_numbers(self.given) for name, contact in self.contacts.items()}
+        return SwitchingFlow(fields, switches, self.period, {}, self.states, self.scales, contacts)
 
     def to_toml(self) -> str:
         """Raise `InputError`: the functions of a flow are Python code, which cannot be stored in a file."""
@@ -209,9 +231,47 @@ class SwitchingFlow:
         """Raise `InputError`, as `to_toml` does."""
         raise InputError("SwitchingFlow", [_NO_FILE])
 
+    @cached_property
+    def labels(self) -> Mapping[Any, tuple[Any, tuple[int, ...]]]:
+        """Every mode, with the mode of its field and what each contact that can rest does there: +1, 0 or -1."""
+        return mode_labels(self.fields, resting_contacts(self.contacts, *self._numbers))
+
+    @property
+    def modes(self) -> tuple[Any, ...]:
+        """The modes: those of the fields, each once for all that the contacts may do."""
+        return tuple(self.labels)
+
+    @property
+    def start_modes(self) -> Mapping[Any, Any]:
+        """The modes with which a run may begin: all modes, and those of the fields, in which contacts do what the state says."""
+        return {**self.labels, **self.fields}
+
+    @cached_property
+    def inner(self) -> tuple[str, ...]:
+        """Names of the inner states of the contacts' laws, which are the last states."""
+        return inner_names(self.contacts, *self._numbers)
+
+    @property
+    def _numbers(self) -> tuple[SimpleNamespace, ...]:
+        """The numbers as functions take them, of the first case where there are several."""
+        return (SimpleNamespace(**{name: float(np.ravel(value)[0]) for name, value in self.numbers.items()}),) if self.numbers else ()
+
+    def inner_start(self, y: Array) -> tuple[float, ...]:
+        """The inner states of the contacts' laws where nothing has moved them, at a state of the field."""
+        numbers = self._numbers
+        laws = [(contact.law(*numbers), contact.normal(0.0, list(map(float, y)), *numbers)) for contact in self.contacts.values()]
+        return tuple(float(z) for law, load in laws if law.dynamic for z in law.start(load))
+
+    @property
+    def sizes(self) -> tuple[float, ...]:
+        """A typical size of each named state, those of the laws last, against which analyses measure distances."""
+        own = (1.0,) * len(self.states or ()) if self.scales is None else self.scales
+        return (*own, *inner_scales(self.contacts, (0.0,) * len(own), *self._numbers))
+
     def names(self, count: int) -> tuple[str, ...]:
-        """Names of `count` coordinates."""
-        return self.states if self.states is not None else tuple(f"y{i}" for i in range(count))
+        """Names of `count` states."""
+        own = count - len(self.inner)
+        return (*(self.states if self.states is not None else (f"y{i}" for i in range(own))), *self.inner)
 
     def __repr__(self) -> str:
         numbers = "".join(
@@ -230,6 +290,10 @@ def is_flow(model: Any) -> bool:
 
 def _with_numbers(f: Callable[..., Any], n: Any) -> Callable[[Any, Any], Any]:
     return lambda t, y: f(t, y, n)
+
+
+def _with_forces_and_numbers(f: Callable[..., Any], n: Any) -> Callable[[Any, Any, Any], Any]:
+    return lambda t, y, R: f(t, y, R, n)
 
 
 # ---- checks ----

@@ -135,7 +135,7 @@ class FlowRun(RunFiles, Drawn):
         return polynomials(self.coefficients[index], (t - start) / (self.nodes[index + 1] - start))
 
     def _labels(self, index: Array) -> Array:
-        known = list(self.model.fields)
+        known = list(self.model.modes)
         labels = np.empty(len(known), object)
         labels[:] = known
         plain = np.array(known) if len({type(mode) for mode in known}) == 1 and not isinstance(known[0], tuple) else labels

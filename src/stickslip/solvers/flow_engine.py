@@ -20,6 +20,7 @@ from stickslip.engine.remembered import Remembered
 from stickslip.engine.section import RETURNS, VALUE, until_section, weight_of
 from stickslip.engine.symbolic import SPAN
 from stickslip.engine.tangent import tangent
+from stickslip.models.switching_flow import knows_mode
 from stickslip.results.flow_run import ModeChange
 
 if TYPE_CHECKING:
@@ -74,7 +75,7 @@ def unknown(flow: SwitchingFlow, n: int) -> str:
 def _parts(flow: SwitchingFlow, n: int) -> Any:
     """The parts of a flow that determine its equations: its functions, and the names of its numbers."""
     switches = tuple((mode, tuple(exits)) for mode, exits in flow.switches.items())
-    return tuple(flow.fields.items()), switches, tuple(flow.numbers), n
+    return tuple(flow.fields.items()), switches, tuple(flow.contacts.items()), tuple(flow.numbers), n
 
 
 def check_flow(flow: SwitchingFlow, n: int) -> Any:
@@ -124,6 +125,11 @@ def _kernel(
     return equations, *_kernels((traced.key, record, made), compiled)
 
 
+def number_of_mode(flow: SwitchingFlow, mode: Any) -> int:
+    """The number by which the engine knows a mode; one below zero of a mode of the fields, if contacts do there what the state says."""
+    return 1 + flow.modes.index(mode) if knows_mode(flow.labels, mode) else -1 - list(flow.fields).index(mode)
+
+
 def _row(
     flow: SwitchingFlow, equations: FlowSystem, names: tuple[str, ...], y: Array, span: Numeric, begin: float, most: float | None,
     more: Mapping[str, Any] | None = None,
@@ -160,7 +166,7 @@ def follow_flow(
     y : array
         Where it begins.
     mode
-        In which mode.
+        In which mode; of a flow with contacts also a mode of its fields, in which the contacts do what the state says.
     duration, begin : float
         How long, and the time at the start.
     most : int, optional
@@ -177,12 +183,12 @@ def follow_flow(
     SolveError
         Where it cannot be followed, and why.
     """
-    n, labels = len(y), list(flow.fields)
+    n, labels = len(y), list(flow.modes)
     equations, kernel, names = _kernel(traced or traced_flow(flow, n), record=True)
     row = _row(flow, equations, names, y[None, :], duration, begin, most)
     results = []
     for direction in np.eye(n) if growth else np.zeros((1, n)):
-        start = np.concatenate([[0.0], y, direction, [0.0, 1 + labels.index(mode)]])
+        start = np.concatenate([[0.0], y, direction, [0.0, number_of_mode(flow, mode)]])
         job = lanes.Job(1, 0, False, 1e-9, 0.75, _BUDGET)
         results.append(lanes.run(kernel, row, start[None, :], job, keep_pieces=True, partial=partial))
         _check(flow, results[-1], begin, n, most)
@@ -266,14 +272,14 @@ def ends(flow: SwitchingFlow, states: Array, modes: Array, duration: Numeric, be
         Its numbers single, or an array with one for each start.
     states : array (cases, n)
     modes : array (cases,) of int
-        By the place among the flow's modes.
+        By the place among the flow's modes; -1, -2 and so on stand for the modes of its fields, in which contacts do what the state says.
     duration : float or array (cases,)
         How long each is followed.
     """
     n = states.shape[1]
     equations, kernel, names = _kernel(traced_flow(flow, n), record=False)
     rows = _row(flow, equations, names, states, duration, begin, None)
-    start = np.column_stack([np.zeros(len(states)), states, 1.0 + modes])
+    start = np.column_stack([np.zeros(len(states)), states, np.where(modes < 0, modes, 1.0 + modes)])
     result = lanes.run(kernel, np.ascontiguousarray(rows), start, lanes.Job(1, 0, False, 1e-9, 0.75, _BUDGET))
     status = np.where(np.isfinite(result.end[:, 1:]).all(axis=1), result.status, np.maximum(result.status, Status.NOT_A_NUMBER))
     good = status <= Status.REPEATS
@@ -315,7 +321,7 @@ def returned(
     equations, kernel, names = _kernel(traced_flow(flow, n), False, until_section)
     more = {weight_of(i): direction if i == which else 0.0 for i in range(n)} | {VALUE: direction * value, RETURNS: float(returns)}
     rows = _row(flow, equations, names, states, longest, 0.0, None, more)
-    start = np.column_stack([np.zeros(len(states)), states, 1.0 + modes])
+    start = np.column_stack([np.zeros(len(states)), states, np.where(modes < 0, modes, 1.0 + modes)])
     result = lanes.run(kernel, np.ascontiguousarray(rows), start, lanes.Job(1, 0, False, 1e-9, 0.75, _BUDGET * returns))
     back = result.status == Status.RETURNED
     status = np.where(back, int(Status.FINISHED), result.status)
@@ -336,7 +342,7 @@ def _check(flow: SwitchingFlow, result: Any, begin: float, n: int, most: int | N
     if status in (Status.FINISHED, Status.REPEATS, Status.NOT_COMPUTED) or (status == Status.SWITCHES and most is not None):
         return
     t = begin + (float(rows[-1, 2]) if len(rows) else 0.0)
-    names, last = [repr(mode) for mode in flow.fields], round(float(result.memory[0, 0]))
+    names, last = [repr(mode) for mode in flow.modes], round(float(result.memory[0, 0]))
     if status in (Status.SWITCHES, Status.CHATTERS):
         visited = [names[int(number) - 1] for number in [*rows[-3:, 4], last]]
         raise SolveError(accumulates(t, visited, None if status == Status.CHATTERS else MOST_SWITCHES), status)

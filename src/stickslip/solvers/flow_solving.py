@@ -20,6 +20,7 @@ from stickslip.models.switching_flow import knows_mode, unknown_mode
 from stickslip.results.flow_run import FlowRun, extremes, polynomials
 from stickslip.results.summary import Summary
 from stickslip.solvers.flow_engine import FlowEquations, follow_flow, traced_flow
+from stickslip.solvers.plain.composed_flows import mode_of_state
 from stickslip.solvers.request import check_duration, check_keep, check_rtol, versions
 from stickslip.solvers.stopped import FAILURES
 
@@ -99,8 +100,8 @@ def asked_of(
             problems.add(
                 f"{name!r} is not an argument of solve for a flow; {did_you_mean(name, ('mode', 'start', 'duration', 'periods', 'settle'))}"
             )
-    if not knows_mode(flow.fields, mode):
-        problems.add(f"mode: {unknown_mode(mode, flow.fields)}")
+    if not knows_mode(flow.start_modes, mode):
+        problems.add(f"mode: {unknown_mode(mode, flow.start_modes)}")
     if not is_one_of(method, ("auto", "exact")):
         judge = 'for the second opinion of SciPy\'s integrator type ss.passage(flow, state, mode, duration, method="dop853")'
         problems.add(f'method = {method!r}; allowed for a flow are "auto" and "exact"; {judge}')
@@ -109,6 +110,7 @@ def asked_of(
     states = starts_of(flow, start, labels, problems)
     spans, settled, periods, left = _spans(flow, labels, periods, settle, duration, problems)
     problems.check()
+    mode_of_state(cases_of(flow)[0] if labels.shape else flow, states[0], mode=mode)  # which says what no contact can do
     equations = traced_flow(flow, states.shape[1])
     if equations.why:
         raise InputError("solve", [untraced(equations.why)])
@@ -128,12 +130,13 @@ def check_start(flow: SwitchingFlow, states: Array, mode: Any, one: bool = False
     >>> check_start(ball, np.array([[1.0, 0.0]]), "air")
     """
     for case, y in zip([flow] if one else cases_of(flow), states, strict=True):
-        plain = case.plain
-        beyond = _beyond(plain, mode, y)
+        plain, y = case.plain, y[: len(y) - len(case.inner)]
+        base = case.labels[mode][0] if knows_mode(case.labels, mode) else mode
+        beyond = _beyond(plain, base, y)
         if beyond is None:
             continue
         k, value = beyond
-        switch = plain.switches[mode][k]
+        switch = plain.switches[base][k]
         after = y if switch.reset is None else _called(switch.reset, y)
         if after is None or not np.any(after != y):
             continue
@@ -184,13 +187,26 @@ def _spans(flow: Any, labels: Labels, periods: Any, settle: Any, duration: Any, 
 
 def starts_of(flow: Any, start: Any, labels: Labels, problems: Problems) -> Array:
     """The states in which the cases begin (cases, n), from a dict by name or from numbers along the last axis."""
-    if isinstance(start, Mapping) or (start is None and flow.states is not None):
-        return _named_starts(flow, start or {}, labels, problems)
+    named = isinstance(start, Mapping) or (start is None and flow.states is not None)
+    own, inner = _named_starts(flow, start or {}, labels, problems) if named else _listed_starts(flow, start, labels, problems)
+    if not flow.inner or problems.mistakes:
+        return np.column_stack([own, *inner.values()]) if inner else own
+    begun = np.array([case.inner_start(y) for case, y in zip(cases_of(flow) if labels.shape else [flow], own, strict=True)])
+    return np.column_stack([own, *(inner.get(name, begun[:, k]) for k, name in enumerate(flow.inner))])
+
+
+def _listed_starts(flow: Any, start: Any, labels: Labels, problems: Problems) -> tuple[Array, dict[str, Array]]:
+    """States of the field from numbers along the last axis, and those of laws by name where they stand behind them."""
+    inner = len(flow.inner)
     try:
         array = np.asarray(number(start), float)
         n = len(flow.states) if flow.states is not None else array.shape[-1]
-        if array.ndim and array.shape[-1] == n and n and np.all(np.isfinite(array)):
-            return np.broadcast_to(array, (*labels.shape, n)).reshape(-1, n) + 0.0
+        if array.ndim and array.shape[-1] in (n, n + inner) and n and np.all(np.isfinite(array)):
+            n = n if array.shape[-1] == n else n + inner
+            table = np.broadcast_to(array, (*labels.shape, n)).reshape(-1, n) + 0.0
+            if flow.states is None or n == len(flow.states):
+                return table, {}
+            return table[:, : n - inner], dict(zip(flow.inner, table[:, n - inner :].T, strict=True))
     except (TypeError, ValueError, IndexError):
         pass
     allowed = (
@@ -199,27 +215,32 @@ def starts_of(flow: Any, start: Any, labels: Labels, problems: Problems) -> Arra
         else f"finite numbers for {', '.join(flow.states)}, or a dict of them"
     )
     problems.add(f"start = {start!r}; allowed is {allowed}; type for example start=[0.5, 0.0]")
-    return np.zeros((labels.cases, 1))
+    return np.zeros((labels.cases, 1)), {}
 
 
-def _named_starts(flow: Any, start: Any, labels: Labels, problems: Problems) -> Array:
+def _named_starts(flow: Any, start: Any, labels: Labels, problems: Problems) -> tuple[Array, dict[str, Array]]:
     if flow.states is None:
         problems.add(
             f"start = {start!r}, but the states of the flow have no names; type start=[0.5, 0.0], or give the flow states=('x', 'v')"
         )
-        return np.zeros((labels.cases, 1))
-    table = np.zeros((labels.cases, len(flow.states)))
+        return np.zeros((labels.cases, 1)), {}
+    table, inner = np.zeros((labels.cases, len(flow.states))), {}
     for name, value in start.items():
-        if name not in flow.states:
-            problems.add(f"start has no {name!r}; {did_you_mean(str(name), flow.states)}")
+        if name not in (*flow.states, *flow.inner):
+            problems.add(f"start has no {name!r}; {did_you_mean(str(name), (*flow.states, *flow.inner))}")
             continue
         try:
-            table[:, flow.states.index(name)] = spread_over_cases(number(value), labels)
+            column = spread_over_cases(number(value), labels)
         except (TypeError, ValueError) as error:
             problems.add(f"start {name} = {value!r}; allowed is a finite number, or one for each case ({error})")
+            continue
+        if name in flow.inner:
+            inner[name] = np.broadcast_to(column, (labels.cases,)) + 0.0
+        else:
+            table[:, flow.states.index(name)] = column
     if not np.isfinite(table).all():
         problems.add(f"start = {start!r} has numbers that are not finite")
-    return table
+    return table, inner
 
 
 def _run(asked: Asked, start: Any) -> FlowRun:
@@ -288,7 +309,7 @@ def flow_columns(flow: Any, y: Array, mode: Any, span: float, settled: float, wh
     columns = {f"mean_{name}": mean[i] for i, name in enumerate(names)}
     columns |= {f"min_{name}": low[i] for i, name in enumerate(names)} | {f"max_{name}": high[i] for i, name in enumerate(names)}
     columns |= {f"end_{name}": end[i] for i, name in enumerate(names)}
-    columns |= {"end_mode": list(flow.fields).index(done.mode), "switches": len(done.events)}
+    columns |= {"end_mode": list(flow.modes).index(done.mode), "switches": len(done.events)}
     if flow.period is not None:
         columns["period"] = _period(nodes, c, end, float(flow.period))
     return columns | {"status": 0}

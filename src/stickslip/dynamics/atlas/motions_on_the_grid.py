@@ -18,6 +18,7 @@ from stickslip.dynamics.flows.flow_stretches import passage
 from stickslip.dynamics.stroboscopic.strobe_maps import spread_over, state_at_rest
 from stickslip.models.machine_adapter import machine_of
 from stickslip.solvers import solve
+from stickslip.solvers.plain.composed_flows import mode_of_strobe_state
 
 if TYPE_CHECKING:
     from stickslip.models.switching_flow import SwitchingFlow
@@ -183,8 +184,8 @@ def _words(plane: Plane, values: Array, states: Array, periods: list[int], look:
 
 def _modes(flow: SwitchingFlow, state: Array, period: int) -> str:
     """The modes of a periodic motion in turn, once if it goes through them twice; where there is one mode, the number of switches."""
-    modes = list(flow.fields)
-    mode = modes[round(float(state[-1]))]
+    modes = list(flow.modes)
+    mode = mode_of_strobe_state(flow, state)
     turns = [str(after) for _, _, after in passage(flow, state[:-1], mode, period * float(flow.period)).events]
     once = next(turns[: len(turns) // k] for k in range(period, 0, -1) if len(turns) % k == 0 and turns == turns[: len(turns) // k] * k)
     if len(modes) == 1:

@@ -28,6 +28,7 @@ from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, flight, ref
 from stickslip.engine.tangent import with_volume
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.switching_flow import is_flow
+from stickslip.solvers.plain.composed_flows import mode_of_strobe_state
 from stickslip.studies.progress import Watch
 
 if TYPE_CHECKING:
@@ -170,15 +171,14 @@ def _growth_of_machine(model: Model, scales: Array, rtol: float, begins: Array, 
 
 def _growth_of_flow(flow: Any, begins: Array, took: Array) -> list[tuple[Array, Any]]:
     """The same of a flow, right at its switches; of its volume it is only known where a switch wipes out a direction."""
-    modes = list(flow.fields)
-    passed = [passage(flow, state[:-1], modes[round(float(state[-1]))], float(time)) for state, time in zip(begins, took, strict=True)]
+    passed = [passage(flow, state[:-1], mode_of_strobe_state(flow, state), float(time)) for state, time in zip(begins, took, strict=True)]
     return [(each.monodromy, -np.inf if each.rank_deficient else np.nan) for each in passed]
 
 
 def _of_flow(flow: Any, periods: int, settle: int, start: Any) -> Lyapunov:
     """The same of a flow, from the derivative that its tangent gives of each period."""
     state, T = state_after(flow, start, settle, 1e-12)[0], float(flow.period)
-    mode = list(flow.fields)[round(float(state[-1]))]
+    mode = mode_of_strobe_state(flow, state)
     return _summary(exponents_of(flow, state[:-1], mode, duration=periods * T, settle=_ALIGN * T, every=T, rtol=1e-12)[0])
 
 

@@ -17,6 +17,7 @@ from stickslip.dynamics.periodic.cycle_sections import Section
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chosen_sections import LONGEST_CYCLE, on_section, shown_by_a_run, turns_shown
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, strobe_map, strobe_points
+from stickslip.solvers.plain.composed_flows import mode_of_strobe_state
 
 _SETTLING, _LOOKED = 60, 33  # returns before the cycle is looked for, and as many as are looked at
 
@@ -29,7 +30,7 @@ def cycle_of_flow(flow: Any, state: Array, took: float, at: Coordinates) -> Flow
     SolveError
         Where Newton's method finds none.
     """
-    orbit = closed_once(flow, state[:-1], list(flow.fields)[round(float(state[-1]))], took)
+    orbit = closed_once(flow, state[:-1], mode_of_strobe_state(flow, state), took)
     return on_its_section(orbit, at)
 
 
@@ -39,7 +40,7 @@ def on_its_section(orbit: FlowOrbit, at: Coordinates) -> FlowOrbit:
     begun = strobe_map(flow, orbit.strobe_state[None, :], 1, 1e-12, replace(at, section=replace(at.section, turns=1))).state[0]
     if not np.isfinite(begun).all():
         return orbit
-    y, mode = begun[:-1], list(flow.fields)[round(float(begun[-1]))]
+    y, mode = begun[:-1], mode_of_strobe_state(flow, begun)
     done = passage(flow, y, mode, orbit.duration)
     residual = float(abs(done.state - y).max())
     if done.mode != mode or residual > max(1e3 * orbit.residual, 1e-9 * float((done.highest - done.lowest).max())):
@@ -52,7 +53,7 @@ def on_its_section(orbit: FlowOrbit, at: Coordinates) -> FlowOrbit:
 
 def cycle_at(flow: Any, strobe_state: Array, duration: float, residual: float, section: Section, turns: int) -> FlowOrbit:
     """The cycle through a state that is known to come back."""
-    y, mode = strobe_state[:-1], list(flow.fields)[round(float(strobe_state[-1]))]
+    y, mode = strobe_state[:-1], mode_of_strobe_state(flow, strobe_state)
     done = passage(flow, y, mode, duration)
     touched = () if np.isfinite(done.monodromy).all() else (touches(done),)
     multipliers = multipliers_of(done.monodromy, done.rank_deficient, True)

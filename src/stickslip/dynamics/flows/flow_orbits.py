@@ -20,6 +20,7 @@ from stickslip.dynamics.periodic.closed_orbits import Repeating, multipliers_of
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.mechanics import normal_load
 from stickslip.models.switching_flow import Switch, SwitchingFlow, is_flow
+from stickslip.solvers.plain.composed_flows import composed, mode_of_state, mode_of_strobe_state
 
 _STILL = 1e-9  # of the size of the state: what moves by less stands still
 _REACH = 0.1  # of the size of the state: so long may a step be in any case
@@ -93,7 +94,7 @@ class FlowOrbit(Repeating):
     @property
     def strobe_state(self) -> Array:
         """The state, and the place of the mode among the flow's modes."""
-        return np.append(self.state, list(self.model.fields).index(self.mode))
+        return np.append(self.state, list(self.model.modes).index(self.mode))
 
     @property
     def monodromy(self) -> Array:
@@ -186,6 +187,7 @@ def flow_orbit(
     """
     y, T = _checked(flow, state, mode, periods, duration, settle, most, rtol, method), periods * float(flow.period or duration or 0.0)
     how: dict[str, Any] = {"rtol": rtol, "method": method}
+    mode = mode_of_state(flow, y, mode=mode)
     if flow.period is None:
         y, mode, T = _returned(flow, y, mode, T, settle, how)
     for _ in range(settle if flow.period else 0):
@@ -315,7 +317,7 @@ def _newton_step(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passa
     if flow.period is not None:
         step, reach = np.linalg.lstsq(A, -miss, rcond=1e-12)[0], max(reach, _REACH * float(1 + abs(y).max()))
         return step * min(1.0, reach / max(float(abs(step).max()), 1e-300)), 0.0, done.mode
-    plain = flow.plain
+    plain = composed(flow)
     along = value_and_slopes(plain.fields[mode], 0.0, y)[0]
     ahead = value_and_slopes(plain.fields[done.mode], T, done.state)[0]
     whole = np.block([[A, ahead[:, None]], [along[None, :], np.zeros((1, 1))]])
@@ -326,7 +328,7 @@ def _newton_step(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passa
 
 def orbit_at(flow: SwitchingFlow, strobe_state: Array, periods: int, residual: float) -> FlowOrbit:
     """The orbit of a forced flow through a state that is known to come back; its multipliers are nan where a guard is only touched."""
-    y, mode = np.asarray(strobe_state[:-1], float), list(flow.fields)[round(float(strobe_state[-1]))]
+    y, mode = np.asarray(strobe_state[:-1], float), mode_of_strobe_state(flow, strobe_state)
     done = passage(flow, y, mode, periods * float(flow.period))
     notes = () if np.isfinite(done.monodromy).all() else (touches(done),)
     return FlowOrbit(

@@ -20,6 +20,7 @@ from stickslip.dynamics.flows.judged_flows import passage_by_scipy
 from stickslip.models.switching_flow import SwitchingFlow, is_flow, knows_mode, unknown_mode
 from stickslip.results.flow_run import extremes
 from stickslip.solvers.flow_engine import check_flow, follow_flow, unknown
+from stickslip.solvers.plain.composed_flows import composed, mode_of_state
 
 METHODS = ("auto", "exact", "dop853")
 _TIGHTEST, _LOOSEST = 1e-13, 1e-2  # of rtol
@@ -109,11 +110,11 @@ def passage(
     (0.5, 0.5, 0.69314718056)
     """
     y = started(flow, state, mode, duration, begin, rtol, switches, method=method)
-    plain = flow.plain
     why = unknown(flow, len(y)) if method != "dop853" else ""
     if method == "exact" and why:
         raise InputError("passage", [f'method = "exact" cannot follow the flow: {why}; type method="auto"'])
     if method == "dop853" or why:
+        plain, mode = composed(flow), mode_of_state(flow, y, float(begin), mode)
         end, last, t, events, M, rank_deficient, low, high = passage_by_scipy(plain, y, mode, float(duration), float(begin), rtol, switches)
         return Passage(end, last, t, events, M, rank_deficient, low, high, "dop853", why)
     done = follow_flow(flow, y, mode, float(duration), float(begin), switches)
@@ -132,8 +133,8 @@ def started(
     y = np.atleast_1d(np.array(floats(state)))
     if y.ndim != 1 or not len(y) or not np.isfinite(y).all():
         problems.add(f"state = {state!r}; allowed is a list of finite numbers, one for each coordinate; type for example [0.5, 0.0]")
-    if not knows_mode(flow.fields, mode):
-        problems.add(f"mode: {unknown_mode(mode, flow.fields)}")
+    if not knows_mode(flow.start_modes, mode):
+        problems.add(f"mode: {unknown_mode(mode, flow.start_modes)}")
     if not (is_number(duration) and duration > 0):
         problems.add(f"duration = {duration!r}; allowed is a positive finite number")
     if not is_number(begin):
@@ -144,8 +145,8 @@ def started(
         problems.whole("switches", switches, 1, example=100)
     if not is_one_of(method, METHODS):
         problems.add(f"method = {method!r}; allowed are {', '.join(map(repr, METHODS))}")
-    if len(y) and flow.states is not None and len(flow.states) != len(y):
-        problems.add(f"state = {state!r} has {len(y)} numbers; allowed are {len(flow.states)}: {', '.join(flow.states)}")
+    if len(y) and flow.states is not None and len(names := flow.names(len(flow.states) + len(flow.inner))) != len(y):
+        problems.add(f"state = {state!r} has {len(y)} numbers; allowed are {len(names)}: {', '.join(names)}")
     if any(np.ndim(value) for value in flow.numbers.values()):
         problems.add("numbers of the flow are arrays; allowed is one number each; type flow.replace(name=0.5)")
     problems.check()

@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, StickslipError
-from stickslip.dynamics.derivatives.forward_ad import Truth, slopes_of, variables
+from stickslip.basics.forward_ad import Truth, slopes_of, variables
 
 _PLAIN = (
     "its derivatives come from its own lines, so write it in plain arithmetic and with stickslip.maths "

@@ -21,7 +21,7 @@ import numpy as np
 from stickslip.analysis.state_order import needs_one_body
 from stickslip.basics.contracts import Array, ArrayLike, Model
 from stickslip.basics.errors import InputError
-from stickslip.dynamics.derivatives.forward_ad import slopes_of, variables
+from stickslip.basics.forward_ad import slopes_of, variables
 from stickslip.models.forces import offered_force
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of

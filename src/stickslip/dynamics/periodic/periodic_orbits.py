@@ -38,6 +38,7 @@ from stickslip.dynamics.stroboscopic.strobe_maps import (
 )  # fmt: skip
 from stickslip.models.machine_adapter import is_machine, machine_of
 from stickslip.models.switching_flow import SwitchingFlow, is_flow
+from stickslip.solvers.plain.composed_flows import mode_of_strobe_state
 
 if TYPE_CHECKING:
     from stickslip.dynamics.periodic.limit_cycles import LimitCycle
@@ -290,9 +291,7 @@ def derivative_of(orbit: Any, at: Coordinates) -> Array:
 def _orbit_of_flow(flow: Any, period: int, guess: Any) -> FlowOrbit:
     """A periodic orbit of a forced flow; without a guess from where it settles."""
     state = states_of(guess, flow)[0]
-    return flow_orbit(
-        flow, state[:-1], list(flow.fields)[round(float(state[-1]))], periods=period, settle=0 if guess is not None else _SETTLING
-    )
+    return flow_orbit(flow, state[:-1], mode_of_strobe_state(flow, state), periods=period, settle=0 if guess is not None else _SETTLING)
 
 
 def _failure(model: Model, period: int, tried: list[Root], guess: Any) -> str:

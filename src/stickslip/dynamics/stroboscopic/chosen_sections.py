@@ -17,6 +17,7 @@ from stickslip.dynamics.stroboscopic.return_maps import ReturnSection
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, flow_map, state_at, state_at_rest
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.switching_flow import is_flow
+from stickslip.solvers.plain.composed_flows import composed, mode_of_strobe_state
 
 LONGEST_RETURN = 60.0  # times the model's own time: how long a return may take before it is one that does not come back
 LONGEST_CYCLE = 16  # turns after which a cycle may repeat
@@ -167,7 +168,7 @@ def _shown(model: Any, at: Coordinates, asked: Asked, state: Array) -> Shown:
 
 def _end_of(run: Any) -> Array:
     """The state at the end of a flow's run, with the place of its mode."""
-    return np.append(run.state, list(run.model.fields).index(run.mode))
+    return np.append(run.state, run.model.modes.index(run.mode))
 
 
 def _time_of(model: Any) -> Any:
@@ -184,7 +185,7 @@ def _run_of(model: Any, at: Coordinates, state: Array, duration: float) -> Any:
     from stickslip.solvers import solve
 
     if is_flow(model):
-        return solve(model, duration=duration, start=state[:-1], mode=list(model.fields)[round(float(state[-1]))], keep="trajectory")
+        return solve(model, duration=duration, start=state[:-1], mode=mode_of_strobe_state(model, state), keep="trajectory")
     return solve(model, duration=duration, start=at.start(state), keep="trajectory")
 
 
@@ -209,7 +210,7 @@ def _moves(run: Any, at: Coordinates, cut: Cut) -> bool:
 
 def _begins_in(flow: Any, at: Coordinates, state: Array) -> float:
     """The time in which a flow first moves by the scale of one of its states; 1 where it stands still."""
-    field = flow.plain.fields[list(flow.fields)[round(float(state[-1]))]]
+    field = composed(flow).fields[mode_of_strobe_state(flow, state)]
     rates = abs(np.array(field(0.0, list(state[:-1])), float)) / (at.scales[: at.smooth] + abs(state[:-1]))
     return float(1.0 / rates.max()) if np.isfinite(rates).all() and rates.max() > 0.0 else 1.0
 

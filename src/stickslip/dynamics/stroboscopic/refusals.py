@@ -11,7 +11,7 @@ from stickslip.basics.batch import cases_of
 from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import leaves
-from stickslip.dynamics.derivatives.forward_ad import slopes_of, variables
+from stickslip.basics.forward_ad import slopes_of, variables
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, largest_size
 from stickslip.models.machine_adapter import is_machine, machine_of
 from stickslip.models.switching_flow import is_flow

@@ -26,6 +26,7 @@ from stickslip.models.switching_flow import is_flow
 from stickslip.results.segments import intervals_of
 from stickslip.results.steadiness import way_of_machine
 from stickslip.solvers.initial_states import start_of_parts
+from stickslip.solvers.plain.composed_flows import mode_of_strobe_state
 
 if TYPE_CHECKING:
     from stickslip.results.trajectory import Trajectory
@@ -202,7 +203,9 @@ def state_at_rest(model: Model, at: Coordinates | None = None) -> Array:
     """
     at = coordinates(model) if at is None else at
     if is_flow(model):
-        return np.zeros((labels_of(model).cases, len(at.names)))
+        rest = np.zeros((labels_of(model).cases, len(at.names)))
+        rest[:, -1] = -1.0 if model.contacts else 0.0  # type: ignore[attr-defined]  # what contacts do the state says
+        return rest
     if at.mechanics is not None:
         return states_of_parts("start", model, None, at)
     z = inner_start(model)
@@ -401,9 +404,9 @@ def coordinates_of_flow(flow: Any) -> Coordinates:
         raise InputError(
             "SwitchingFlow", ["its states have no names, so their number is not known; type states=('x', 'v') where it is made"]
         )
-    n = len(flow.states)
-    order = Order(flow.states, slice(0, n), slice(n, n), slice(0, 0), (), False)
-    return Coordinates((*flow.states, "mode"), np.append(np.ones(n) if flow.scales is None else flow.scales, 1.0), order, 1)
+    names = flow.names(len(flow.states) + len(flow.inner))
+    order = Order(names, slice(0, len(names)), slice(len(names), len(names)), slice(0, 0), (), False)
+    return Coordinates((*names, "mode"), np.append(flow.sizes, 1.0), order, 1)
 
 
 def _of_flow(flow: Any, states: Array, duration: Any) -> Ends:
@@ -466,7 +469,7 @@ def flight(model: Any, state: Array, periods: int = 1, rtol: float = 1e-12) -> A
 
     if is_flow(model):
         state = np.asarray(state, float)
-        mode = list(model.fields)[round(float(state[-1]))]
+        mode = mode_of_strobe_state(model, state)
         return solve(model, periods=periods, settle=0, start=state[:-1], mode=mode, keep="trajectory")
     options = {"rtol": rtol} if machine_of(model).has_inner_states else {}
     return solve(model, periods=periods, settle=0, start=coordinates(model).start(state), keep="trajectory", **options)

@@ -18,6 +18,7 @@ from stickslip.analysis.run_segments import watched_contacts
 from stickslip.basics.contracts import Array
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.switching_flow import is_flow
+from stickslip.solvers.plain.composed_flows import composed
 
 if TYPE_CHECKING:
     from stickslip.models.mechanics import Mechanics
@@ -172,7 +173,7 @@ def _largest(f: Callable[[Array], Array], begin: float, end: float) -> float:
 # ---- flows ----
 def _of_flow(run: Any) -> Iterator[_Course]:
     """Of each guard of each mode, between the switches."""
-    first, last, flow = float(run.nodes[0]), float(run.nodes[-1]), run.model.plain
+    first, last, flow = float(run.nodes[0]), float(run.nodes[-1]), composed(run.model)
     begins = [first, *(event.t for event in run.events)]
     modes = [run._labels(np.array([0]))[0], *(event.after for event in run.events)]
     for begin, end, mode in zip(begins, [*begins[1:], last], modes, strict=True):

@@ -1,0 +1,281 @@
+"""Contacts of a switching flow: where it slips, how it rubs and what presses it; and the friction forces in plain numbers.
+
+A field with contacts takes their friction forces, x' = f(t, y, R). Everything else follows: in a mode each contact under a law that rests
+exactly slides to one side or rests. A resting contact has the force that keeps its slip velocity at zero, which follows from the rates of
+the slips, w' = beta - G R: G and beta come from the lines of the field and of the slips.
+
+This module computes them with numbers that carry slopes, for columns and for the judge; the engine derives them from traced equations.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
+
+from stickslip.basics.errors import Problems, SolveError
+from stickslip.basics.fields import checked_number
+from stickslip.basics.forward_ad import Nested, without_slopes
+from stickslip.basics.maths import where
+from stickslip.models.friction.law_adapter import TINY, LawAdapter, adapted, is_law
+
+SIGNS = {-1: "-", 0: "0", 1: "+"}  #: of a mode's name: it slides backwards, rests, slides forwards
+NOT_LINEAR = (  #: to be formatted with the name of a contact
+    "is not linear in the friction force R.{0}, so that no force which holds the contact follows; allowed are rates such as (F - R.{0})/m, "
+    "with factors and conditions that do not depend on friction"
+)
+_LOAD = "a number, or a function of (t, y) that returns it"
+
+
+@dataclass(frozen=True, eq=False)
+class FlowContact:
+    """A contact of a `SwitchingFlow` that rubs.
+
+    Parameters
+    ----------
+    slip : callable
+        Slip velocity as a function of (t, y), or of (t, y, n) in a flow with numbers; positive forwards.
+    friction : law or callable
+        Any friction law but those that remember whole numbers or ask for the applied force; or a function of the flow's numbers n that
+        returns it, such as ``lambda n: ss.Coulomb(mu_plus=n.mu, mu_minus=n.mu)``.
+    load : float or callable
+        Normal force: a number, or a function of the same arguments as `slip`. A run ends where it falls to zero.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> contact = FlowContact(slip=lambda t, y: y[1] - 0.1, friction=ss.Coulomb(mu_plus=0.2, mu_minus=0.2), load=9.81)
+    >>> round(contact.slip(0.0, [0.0, 0.3]), 12)
+    0.2
+    """
+
+    slip: Callable[..., Any]
+    friction: Any
+    load: Any
+
+    def __post_init__(self) -> None:
+        problems = Problems("FlowContact")
+        if not callable(self.slip):
+            problems.add(f"slip = {self.slip!r}; allowed is a function of (t, y) that returns the slip velocity; type lambda t, y: y[1]")
+        if isinstance(self.friction, type) or not (is_law(self.friction) or callable(self.friction)):
+            allowed = "allowed is a friction law, or a function of the flow's numbers that returns one"
+            problems.add(f"friction = {self.friction!r}; {allowed}; type friction=ss.Coulomb(mu_plus=0.2, mu_minus=0.2)")
+        if not callable(self.load):
+            checked_number("load", self.load, problems, None, _LOAD, "load=9.81")
+        problems.check()
+
+    def law(self, *n: Any) -> LawAdapter:
+        """The law, to be asked in one way; of a flow with numbers from these."""
+        law = adapted(self.friction if is_law(self.friction) else self.friction(*n))
+        problems = Problems("FlowContact")
+        if law.modes:
+            problems.add(f"friction = {law.name} remembers whole numbers, which no flow has; allowed are laws without them, such as LuGre")
+        if law.needs_applied:
+            problems.add(f"friction = {law.name} asks for the force that would hold it; allowed are laws of the velocity and the load")
+        problems.check()
+        return law
+
+    def normal(self, t: Any, y: Any, *n: Any) -> Any:
+        """Normal force."""
+        return self.load(t, y, *n) if callable(self.load) else self.load
+
+    def with_numbers(self, n: Any) -> FlowContact:
+        """The same contact with the flow's numbers substituted."""
+        load = (lambda t, y: self.load(t, y, n)) if callable(self.load) else self.load
+        return FlowContact(lambda t, y: self.slip(t, y, n), self.friction if is_law(self.friction) else self.friction(n), load)
+
+
+def check_contacts(problems: Problems, contacts: Any, fields: Mapping[Any, Any]) -> dict[str, FlowContact]:
+    """The contacts of a flow; problems for what is none."""
+    if contacts is None:
+        return {}
+    if not isinstance(contacts, Mapping) or not all(isinstance(each, FlowContact) for each in contacts.values()):
+        typed = 'contacts={"belt": ss.FlowContact(slip=lambda t, y: y[1], friction=ss.Coulomb(mu_plus=0.2, mu_minus=0.2), load=9.81)}'
+        problems.add(f"contacts = {contacts!r}; allowed is a dict of FlowContact by name; type {typed}")
+        return {}
+    for name in contacts:
+        if not (isinstance(name, str) and name.isidentifier()):
+            problems.add(f"contacts has {name!r}; allowed are names that can be typed after R.")
+    if len(contacts) > _MOST:
+        problems.add(f"contacts has {len(contacts)} of them; allowed are {_MOST}, of which every combination of rest and slip is a mode")
+    return dict(contacts)
+
+
+_MOST = 4
+
+
+def inner_names(contacts: Mapping[str, FlowContact], *n: Any) -> tuple[str, ...]:
+    """Names of the states that the laws of the contacts add to those of the field."""
+    names: list[str] = []
+    for name, contact in contacts.items():
+        count = contact.law(*n).states
+        names += [f"z_{name}"] if count == 1 else [f"z_{name}_{k}" for k in range(count)]
+    return tuple(names)
+
+
+def inner_scales(contacts: Mapping[str, FlowContact], y: Sequence[float], *n: Any) -> tuple[float, ...]:
+    """A typical size of each inner state: what the law says, else 1."""
+    sizes: list[float] = []
+    for contact in contacts.values():
+        law = contact.law(*n)
+        own = law.scale(contact.normal(0.0, list(y), *n)) if law.states else ()
+        sizes += [1.0] * law.states if own is None else [float(size) or 1.0 for size in own]
+    return tuple(sizes)
+
+
+def resting_contacts(contacts: Mapping[str, FlowContact], *n: Any) -> tuple[str, ...]:
+    """The names of the contacts that can rest, so that modes say what each of them does."""
+    return tuple(name for name, contact in contacts.items() if not contact.law(*n).dynamic)
+
+
+def mode_labels(fields: Mapping[Any, Any], resting: Sequence[str]) -> dict[Any, tuple[Any, tuple[int, ...]]]:
+    """The modes of a flow: each field's mode with what each contact does, +1, 0 or -1.
+
+    Examples
+    --------
+    >>> list(mode_labels({0: None}, ["belt"])), mode_labels({"air": None, "held": None}, ["a", "b"])["held: a+ b0"]
+    (['belt-', 'belt0', 'belt+'], ('held', (1, 0)))
+    """
+    if not resting:
+        return {mode: (mode, ()) for mode in fields}
+    labels: dict[Any, tuple[Any, tuple[int, ...]]] = {}
+    for mode in fields:
+        for sides in itertools.product((-1, 0, 1), repeat=len(resting)):
+            does = " ".join(f"{name}{SIGNS[side]}" for name, side in zip(resting, sides, strict=True))
+            labels[does if len(fields) == 1 else f"{mode}: {does}"] = (mode, sides)
+    return labels
+
+
+class ContactForces:
+    """The friction forces of a flow of single numbers, by plain arithmetic.
+
+    Parameters
+    ----------
+    flow : SwitchingFlow
+        With its numbers substituted (`SwitchingFlow.plain`).
+
+    Examples
+    --------
+    A block on a belt, held against a spring:
+
+    >>> import stickslip as ss
+    >>> belt = FlowContact(slip=lambda t, y: y[1] - 0.1, friction=ss.Coulomb(mu_plus=0.2, mu_minus=0.2), load=9.81)
+    >>> flow = ss.SwitchingFlow(lambda t, y, R: (y[1], -4.0 * y[0] - R.belt), contacts={"belt": belt})
+    >>> ContactForces(flow).forces(0, (0,), 0.0, [0.2, 0.1])
+    {'belt': -0.8}
+    """
+
+    def __init__(self, flow: Any):
+        self.fields, self.contacts = flow.fields, flow.contacts
+        self.laws = {name: contact.law() for name, contact in self.contacts.items()}
+        self.resting = tuple(name for name, law in self.laws.items() if not law.dynamic)
+        self.inner = sum(law.states for law in self.laws.values())
+
+    # ---- what the user's functions give ----
+    def own(self, y: Sequence[Any]) -> Sequence[Any]:
+        """The states of the field, without those of the laws."""
+        return y[: len(y) - self.inner]
+
+    def slips(self, t: Any, y: Sequence[Any]) -> dict[str, Any]:
+        """Slip velocity of each contact."""
+        return {name: _one(contact.slip(t, self.own(y))) for name, contact in self.contacts.items()}
+
+    def loads(self, t: Any, y: Sequence[Any]) -> dict[str, Any]:
+        """Normal force on each contact."""
+        return {name: _one(contact.normal(t, self.own(y))) for name, contact in self.contacts.items()}
+
+    def _field(self, mode: Any, t: Any, y: Sequence[Any], R: Mapping[str, Any]) -> list[Any]:
+        return [_one(rate) for rate in self.fields[mode](t, self.own(y), SimpleNamespace(**R))]
+
+    def _inner(self, t: Any, y: Sequence[Any]) -> tuple[dict[str, Any], list[Any]]:
+        """Forces of the laws with inner states, and the rates of these."""
+        forces, rates = {}, []
+        slips, loads, at = self.slips(t, y), self.loads(t, y), len(y) - self.inner
+        for name, law in self.laws.items():
+            if law.dynamic:
+                z = tuple(y[at : at + law.states])
+                forces[name], own = law.response(slips[name], z, loads[name])
+                rates += own
+                at += law.states
+        return forces, rates
+
+    # ---- forces ----
+    def problem(
+        self, mode: Any, t: Any, y: Sequence[Any], force: float = 0.0
+    ) -> tuple[dict[tuple[str, str], Any], dict[str, Any]]:  # fmt: skip
+        """How the friction forces take part in the rates of the slips, w' = beta - G R: G and beta, of the contacts that can rest.
+
+        Both are taken where all forces are `force`, which is the same for every force where the field is linear in them.
+        """
+        names, inner = self.resting, self._inner(t, y)[0]
+        R = {name: Nested(force, [0.0, *(1.0 if k == name else 0.0 for k in names)]) for name in names}
+        rates = [Nested.lifted(rate) for rate in self._field(mode, t, y, {**inner, **R})]
+        along = [
+            Nested(value, [rate.value, *(rate.slope(1 + k) for k in range(len(names)))]) for value, rate in zip(y, rates, strict=False)
+        ]
+        at = Nested(t, [1.0])
+        slips = {name: Nested.lifted(_one(self.contacts[name].slip(at, along))) for name in names}
+        G = {(i, k): 0.0 - slips[i].slope(1 + number) for i in names for number, k in enumerate(names)}
+        return G, {name: slips[name].slope(0) for name in names}
+
+    def sliding(self, name: str, side: int, slip: Any, load: Any) -> Any:
+        """Friction force of a contact that slides to a side."""
+        value = without_slopes(slip)  # what rounding puts on the other side is on this one, and keeps its slope
+        return self.laws[name].sliding(slip + where(side * value > 0.0, 0.0 * value, side * TINY - value), load)
+
+    def forces(self, mode: Any, sides: Sequence[int], t: Any, y: Sequence[Any]) -> dict[str, Any]:
+        """The friction force of each contact, positive against forward slip, in a mode of the field with these sides."""
+        inner, _ = self._inner(t, y)
+        slips, loads = self.slips(t, y), self.loads(t, y)
+        R = {name: self.sliding(name, side, slips[name], loads[name]) for name, side in zip(self.resting, sides, strict=True) if side}
+        rest = [name for name in self.resting if name not in R]
+        if rest:
+            G, beta = self.problem(mode, t, y)
+            R |= _held(rest, G, {i: _less(beta[i], [(G[i, k], R[k]) for k in R]) for i in rest})
+        R |= inner
+        return {name: R[name] for name in self.contacts}
+
+    def rates(self, mode: Any, sides: Sequence[int], t: Any, y: Sequence[Any]) -> list[Any]:
+        """Rates of all states, those of the laws last."""
+        return [*self._field(mode, t, y, self.forces(mode, sides, t, y)), *self._inner(t, y)[1]]
+
+    def stopped(self, mode: Any, name: str, t: Any, y: Sequence[Any]) -> list[Any]:
+        """The state with the slip of a contact at zero, by an impulse of its friction."""
+        G, _ = self.problem(mode, t, y)
+        R = {k: Nested(0.0, [1.0 if k == name else 0.0]) for k in self.resting}
+        rates = [Nested.lifted(rate) for rate in self._field(mode, t, y, {**self._inner(t, y)[0], **R})]
+        share = self.slips(t, y)[name] / G[name, name]
+        own = [value + rate.slope(0) * share for value, rate in zip(self.own(y), rates, strict=True)]
+        return [*own, *y[len(own) :]]
+
+    def load_lost(self, name: str) -> Callable[..., Any]:
+        """What the judge does where a load falls to zero: it raises `SolveError`."""
+
+        def lost(t: Any, y: Any) -> Any:
+            raise SolveError(f"the load of contact {name!r} falls to zero at t = {float(t):.9g}")
+
+        return lost
+
+
+def _one(value: Any) -> Any:
+    """One number of what a function returned."""
+    return value[0] if isinstance(value, (tuple, list)) and len(value) == 1 else value
+
+
+def _less(total: Any, pairs: Sequence[tuple[Any, Any]]) -> Any:
+    for a, b in pairs:
+        total = total - a * b
+    return total
+
+
+def _held(names: Sequence[str], G: Mapping[tuple[str, str], Any], beta: Mapping[str, Any]) -> dict[str, Any]:
+    """The forces that keep all rates at zero, G R = beta: by elimination, for numbers of any kind."""
+    if len(names) == 1:
+        return {names[0]: beta[names[0]] / G[names[0], names[0]]}
+    first, *others = names
+    factors = {i: G[i, first] / G[first, first] for i in others}
+    smaller = {(i, k): G[i, k] - factors[i] * G[first, k] for i in others for k in others}
+    R = _held(others, smaller, {i: beta[i] - factors[i] * beta[first] for i in others})
+    return {first: _less(beta[first], [(G[first, k], R[k]) for k in others]) / G[first, first], **R}
