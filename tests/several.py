@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
+import stickslip as ss
 from stickslip.models.state_layout import BodyStates, ContactStates, StateLayout
 from stickslip.results.dense_output import PolynomialPieces
 from stickslip.results.trajectory import Trajectory
@@ -30,6 +31,7 @@ MODE = np.array([[1, 1, -1], [0, 0, -1], [0, 1, -1]], np.int8)
 class Pair:
     """What a trajectory asks of a machine beside its forces."""
 
+    friction: ss.Coulomb = field(default_factory=lambda: ss.Coulomb(0.2, 0.3))
     impulses: tuple = ()
     period: float | None = 1.0
     velocity_scale: float = 1.0

@@ -123,6 +123,7 @@ def is_run(what: str, run: Trajectory | FlowRun) -> None:
     if getattr(run, "interrupted", False):
         mistake = f"the run was {run.status}, and what is asked of it is that of the whole run"
         raise InputError(what, [f"{mistake}; type run.shortened() for the part that there is, or ss.solve again"])
+    steadiness.of_its_machine(what, run)
 
 
 def _too_short(run: Any) -> str:

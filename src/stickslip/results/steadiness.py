@@ -12,6 +12,7 @@ from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.mechanics import normal_load
 from stickslip.models.position_dependence import knows_position
+from stickslip.models.state_layout import of_one_contact
 from stickslip.results import recurrence
 from stickslip.results.part_notes import APART
 
@@ -215,8 +216,15 @@ def window_count(done: int, settle: int, period: int) -> int:
     return count - count % (period or 1) if count > (period or 1) else count
 
 
+def of_its_machine(what: str, run: Trajectory) -> None:
+    """`InputError` for a run whose columns are not those of the bodies of its machine."""
+    if len(run.pieces.layout.bodies) != len(machine_of(run.model).mechanics.bodies):
+        of_one_contact(what, run, f"a {type(run.model).__name__} has")
+
+
 def steadiness_of_run(run: Trajectory) -> Steadiness:
     """The steadiness of a trajectory."""
+    of_its_machine("run.steadiness", run)
     run = run.with_axes
     if run.model.period is None:
         first, last = run.window

@@ -147,8 +147,9 @@ def test_a_robots_parts_are_called_body_and_contact(robot_run):
     assert robot_run.contacts["contact"].z is None
     (contact,) = elastic.contacts.values()
     assert np.array_equal(contact.z, elastic.z) and np.array_equal(contact.strobe_z, elastic.strobe_z)
+    assert np.array_equal(robot_run.contacts["contact"].slip, robot_run.v) and np.ptp(robot_run.contacts["contact"].load) == 0.0
     with pytest.raises(AttributeError, match="only machines of several contacts"):
-        robot_run.contacts["contact"].slip  # noqa: B018
+        robot_run.slip  # noqa: B018
 
 
 def test_at_has_the_axes_of_the_columns_behind_the_shape_of_its_argument(pair):
@@ -301,7 +302,7 @@ def test_a_file_of_an_unknown_format_or_layout_is_refused_with_what_to_do(place,
 @each_row(
     "analysis",
     [
-        ss.energy, ss.motion, ss.mean_velocity, ss.spectrum, ss.plot.velocity, ss.plot.phase, ss.plot.forces,
+        ss.energy, ss.motion, ss.mean_velocity, ss.spectrum, ss.plot.phase,
         threshold_table, velocity_range, period_number, shares, lambda run: run.steadiness,
         lambda run: ss.periodic_orbit(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), guess=run),
     ],
@@ -318,7 +319,7 @@ def test_one_body_with_an_axis_is_analysed_as_one_body(robot_run):
     listed = replace(robot_run, pieces=replace(robot_run.pieces, layout=named))
     assert listed.x.shape == (len(listed.t), 1) and list(listed.bodies) == ["block"] and listed.events[0].part == "pad"
     assert np.array_equal(of_one_contact("test", listed, "it is one").x, robot_run.x)
-    assert ss.mean_velocity(listed) == ss.mean_velocity(robot_run) and ss.motion(listed) == ss.motion(robot_run)
+    assert ss.mean_velocity(listed) == ss.mean_velocity(robot_run) and ss.motion(listed).contacts["pad"] == ss.motion(robot_run)
     assert listed.notes == robot_run.notes
 
 
