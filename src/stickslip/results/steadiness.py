@@ -216,7 +216,7 @@ def window_count(done: int, settle: int, period: int) -> int:
     return count - count % (period or 1) if count > (period or 1) else count
 
 
-def of_its_machine(what: str, run: Trajectory) -> None:
+def of_its_machine(what: str, run: Any) -> None:
     """`InputError` for a run whose columns are not those of the bodies of its machine."""
     if len(run.pieces.layout.bodies) != len(machine_of(run.model).mechanics.bodies):
         of_one_contact(what, run, f"a {type(run.model).__name__} has")

@@ -395,7 +395,7 @@ class Trajectory(Drawn, Judged, RunFiles):
         return self._at_door(self._forces_at(*self._instants, *self._states))
 
     def _at_door(self, columns: dict[str, Any]) -> dict[str, Any]:
-        """Columns with axes for all parts as this run has them; slip and load are told of machines that may have several contacts."""
+        """Columns with axes for all parts as this run has them; slip and load only of machines that may have several contacts."""
         hidden = _SEVERAL if self.pieces.layout.single else ()
         return {name: self._own(name, column) for name, column in columns.items() if name not in hidden}
 
