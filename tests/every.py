@@ -243,6 +243,14 @@ def _solve(c):
     assert run.x.shape == ((len(run.t), 2) if c.axes else (len(run.t),)) and len(run.bodies) == (len(c.parts.bodies) if c.several else 1)
 
 
+def _simulation(c):
+    sim, (number, (_, last)) = ss.simulation(c.machine), (c.number, c.values)
+    sim.step(0.3)
+    sim.step(0.2, inputs={number: last})
+    again = ss.Simulation.load(sim.save(c.folder / "sim.json"), machine=c.machine)
+    assert sim.status == "finished" and sim.inputs[number] == last and str(again.step(0.1)) == str(sim.step(0.1))
+
+
 def _batch(c):
     many = ss.solve(c.machine.replace({c.number: np.array(c.values)}), keep="summary", **c.length)
     alone = ss.solve(c.machine.replace({c.number: c.values[1]}), **c.length)
@@ -467,7 +475,8 @@ def _command(c):
 
 #: Doors by what a user types.
 every_door = {
-    "ss.solve": _solve, "a batch": _batch, "ss.sweep": _sweep, "ss.map": _map, "plot.velocity_map": _velocity_map, "a study folder": _study,
+    "ss.solve": _solve, "ss.simulation": _simulation,
+    "a batch": _batch, "ss.sweep": _sweep, "ss.map": _map, "plot.velocity_map": _velocity_map, "a study folder": _study,
     "ss.motion": _motion, "ss.energy": _energy, "ss.check": _check, "ss.periodic_mean_velocity": _periodic_mean_velocity,
     "ss.periodic_orbit": _orbit,
     "ss.continuation": _continuation, "ss.lyapunov": _lyapunov, "ss.basins": _basins, "ss.attractors": _attractors,

@@ -35,7 +35,8 @@ def __getattr__(name: str) -> object:
 
 #: Names that other packages use for some of our functions.
 _ELSEWHERE = {
-    **dict.fromkeys(("simulate", "simulation", "integrate", "run", "odeint", "solve_ivp"), "solve"),
+    **dict.fromkeys(("simulate", "integrate", "run", "odeint", "solve_ivp"), "solve"),
+    **dict.fromkeys(("stepper", "step", "Simulator"), "simulation"),
     **dict.fromkeys(("fit", "curve_fit", "estimate"), "identify"),
     **dict.fromkeys(("read_csv", "open", "import_record"), "read"),
     **dict.fromkeys(("minimize", "minimise", "maximize", "maximise"), "optimise"),

@@ -225,6 +225,10 @@ from .show.export import (
     export_law as export_law,
 )
 from .solvers import solve as solve
+from .solvers.simulation import (
+    Simulation as Simulation,
+    simulation as simulation,
+)
 from .studies import (
     Progress as Progress,
     designs as designs,

@@ -83,10 +83,14 @@ def _address(function: Any) -> int:
     return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name))
 
 
+#: What follows the driver's own texts where it does more: for more cases than lanes, and for a case that is held between calls.
+_BEHIND = {"advance": (), "advance_pooled": ("pooling",), "advance_to": ("advancing",)}
+
+
 @lru_cache
 def load(name: str = "advance") -> Any:
-    """The compiled driver, `advance`; or that for more cases than lanes, `advance_pooled`."""
-    texts = ("columns", "flags", "noting_segments", "watching", "driving_lanes", *(("pooling",) if name == "advance_pooled" else ()))
+    """The compiled driver, `advance`; or that for more cases than lanes, `advance_pooled`, or for one that is held, `advance_to`."""
+    texts = ("columns", "flags", "noting_segments", "watching", "driving_lanes", *_BEHIND[name])
     constants = [cache.SHORT_LOOPS, *_LOOKS, status_text(), recurrence_text()]
     text = source("the driver of all kernels", {name: "int64(f1, int64, int64, i1)"}, constants, texts)
     return getattr(cache.load(text, f"driver_{name}", "what all kernels share"), name)

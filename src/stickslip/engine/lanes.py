@@ -32,6 +32,7 @@ from stickslip.engine.steptext import Layout, step_text
 from stickslip.engine.tableaux import Tableau
 from stickslip.engine.trace import System, label, trace
 from stickslip.engine.unforeseen import hides, slopes
+from stickslip.engine.values import needed_by
 from stickslip.models.state_layout import BodyStates, ContactStates, ControllerStates, StateLayout
 from stickslip.results.recurrence import KEPT, LONGEST
 
@@ -67,6 +68,8 @@ class Kernel:
     signals: dict[str, int]  # what is noted of the last motion period, by name, and its number
     arms: bool  # whether a body moves otherwise than its coordinate
     held: int  # flags, modes and clocks that a step holds
+    guards: tuple[int, ...]  # of each contact of a dynamic law the guard whose flag is the side of its slip
+    shifting: frozenset[str]  # numbers that change what states are counted from: velocities that are taken off, or the period
 
 
 @dataclass(frozen=True)
@@ -175,6 +178,8 @@ def kernel(eq: System, tableau: Tableau | Series | None, label: str, record: boo
         {name: i for i, signal in enumerate(eq.signals) for name in signal.names},
         has_arms(eq),
         eq.signs + len(eq.modes) + len(eq.clocks),
+        tuple(c.guard for c in eq.contacts if c.guard is not None) if eq.dynamic else (),
+        frozenset(node.name for node in needed_by([*eq.offsets, eq.period]) if node.op == "case"),
     )
 
 
@@ -359,8 +364,11 @@ def _shapes(k: Kernel, cases: int, at_work: int, parts: int, signals: int, place
     }
 
 
-def _arrays(k: Kernel, params: Any, start: Any, job: Job, keep_pieces: bool) -> tuple[Any, Shared]:
-    """What the lanes hold, and the arrays that a kernel shares with its driver, before the first case."""
+def arrays_of(k: Kernel, params: Any, start: Any, job: Job, room: int, goal: int = 0) -> tuple[Any, Shared]:
+    """What the lanes hold, and the arrays that a kernel shares with its driver, before the first case.
+
+    There is room for so many steps of dense output, and for so many numbers that say where a held lane goes (see `held_lane.py`).
+    """
     import numpy as np
 
     cases, signals = len(params), 1 + max(k.signals.values(), default=-1)
@@ -368,8 +376,9 @@ def _arrays(k: Kernel, params: Any, start: Any, job: Job, keep_pieces: bool) -> 
     pooled = k.table[driver.column("F_SOON")] >= 0 and cases > k.lanes
     at_work, before = (min(PLACES, cases), 8 * (max(PLACES, k.fields) // 8 + 1)) if pooled else (k.lanes, 0)
     pool = {"STORE": (at_work, k.fields), "POOL": (5, before)} if pooled else {}
-    shared = Shared(_shapes(k, cases, at_work, parts, signals, places) | pool)
-    shared["JOB"][:] = (0, cases, 0, job.periods, job.settle, job.auto, keep_pieces or job.whole)
+    more = pool | ({"GOAL": (goal,)} if goal else {})
+    shared = Shared(_shapes(k, cases, at_work, parts, signals, places) | more)
+    shared["JOB"][:] = (0, cases, 0, job.periods, job.settle, job.auto, room > 0 or job.whole)
     shared["LIMITS"][:] = (job.rtol, job.slip_ratio, job.budget)
     shared["PARAM"][:] = params
     shared["START"][:, : start.shape[1]] = start
@@ -377,7 +386,7 @@ def _arrays(k: Kernel, params: Any, start: Any, job: Job, keep_pieces: bool) -> 
     shared["COUNT"][:, 0] = _NOT_COMPUTED
     shared["OUT"].fill(np.nan)
     shared["NOTED"].fill(np.nan)
-    shared["PIECES"] = np.empty((8192 if keep_pieces else 0, bytes_of_piece(k) // 8))
+    shared["PIECES"] = np.empty((room, bytes_of_piece(k) // 8))
     return _aligned(before + (k.fields + 2 * len(k.bodies)) * k.lanes), shared
 
 
@@ -427,7 +436,7 @@ def run(
     A start is a row of x, the states, and the memories of the law; a row without memories begins with zeros.
     Results do not depend on how cases are spread over lanes, slices, calls and threads.
     """
-    S, shared = _arrays(k, params, start, job, keep_pieces)
+    S, shared = arrays_of(k, params, start, job, 8192 if keep_pieces else 0)
     advance = driver.load("advance_pooled" if "POOL" in shared else "advance")
     slice_calls = slice_calls or (8192 if k.lanes == 1 else 65536)  # about 2 and 30 milliseconds
     if not partial:

@@ -28,6 +28,7 @@ SHARED = {
     "PIECES": "f2",  # of a single case its dense output
     "STORE": "f2",  # of a pool: what its lanes hold from step to step
     "POOL": "i2",
+    "GOAL": "f1",  # of a held lane: where it goes next (kernels/advancing.py)
 }
 _TYPES = {"i": "int64", "f": "float64", "b": "int8"}
 
@@ -46,6 +47,8 @@ class Shared:
     ----------
     at : array of int
         The address and the shape of each, four numbers for each.
+    memory : array
+        That piece of memory, without arrays that have memory of their own.
 
     Examples
     --------
@@ -58,8 +61,8 @@ class Shared:
         import numpy as np
 
         size, self._places, there, at = _arranged(tuple(shapes.items()))
-        self._memory = np.zeros(size)
-        self.at = at + there * address_of(self._memory)
+        self.memory = np.zeros(size)
+        self.at = at + there * address_of(self.memory)
         self._made = dict[str, Any]()
 
     def __contains__(self, name: str) -> bool:
@@ -72,7 +75,7 @@ class Shared:
 
         if name not in self._made:
             shape, kind, begin = self._places[name]
-            self._made[name] = np.ndarray(shape, kind, self._memory, begin)
+            self._made[name] = np.ndarray(shape, kind, self.memory, begin)
         return self._made[name]
 
     def __setitem__(self, name: str, array: Any) -> None:

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 MOST_SWITCHES = 10_000  # in one run, if it is not said
-_BUDGET = 200_000  # steps
+BUDGET = 200_000  # steps
 _FIRST = 7  # where a step's polynomials begin, behind its times, its mode, and how many switches were before it
 _KEPT = 64  # flows whose equations are kept
 _SHARP = 1e13  # a disturbance that moves a switch by so much more than itself: what is only touched has no derivative
@@ -106,7 +106,7 @@ def traced_flow(flow: SwitchingFlow, n: int) -> FlowEquations:
     return _systems(key, traced)
 
 
-def _kernel(
+def flow_kernel(
     traced: FlowEquations, record: bool, made: Callable[[System], System] | None = None
 ) -> tuple[FlowSystem, lanes.Kernel, tuple[str, ...]]:
     """The equations, the kernel and the names of its columns; of one run with the change of its state along a direction.
@@ -130,7 +130,7 @@ def number_of_mode(flow: SwitchingFlow, mode: Any) -> int:
     return 1 + flow.modes.index(mode) if knows_mode(flow.labels, mode) else -1 - list(flow.fields).index(mode)
 
 
-def _row(
+def flow_row(
     flow: SwitchingFlow, equations: FlowSystem, names: tuple[str, ...], y: Array, span: Numeric, begin: float, most: float | None,
     more: Mapping[str, Any] | None = None,
 ) -> Array:  # fmt: skip
@@ -184,12 +184,12 @@ def follow_flow(
         Where it cannot be followed, and why.
     """
     n, labels = len(y), list(flow.modes)
-    equations, kernel, names = _kernel(traced or traced_flow(flow, n), record=True)
-    row = _row(flow, equations, names, y[None, :], duration, begin, most)
+    equations, kernel, names = flow_kernel(traced or traced_flow(flow, n), record=True)
+    row = flow_row(flow, equations, names, y[None, :], duration, begin, most)
     results = []
     for direction in np.eye(n) if growth else np.zeros((1, n)):
         start = np.concatenate([[0.0], y, direction, [0.0, number_of_mode(flow, mode)]])
-        job = lanes.Job(1, 0, False, 1e-9, 0.75, _BUDGET)
+        job = lanes.Job(1, 0, False, 1e-9, 0.75, BUDGET)
         results.append(lanes.run(kernel, row, start[None, :], job, keep_pieces=True, partial=partial))
         _check(flow, results[-1], begin, n, most)
     whole, early = results[0], int(results[0].status[0]) in (Status.SWITCHES, Status.NOT_COMPUTED)
@@ -277,10 +277,10 @@ def ends(flow: SwitchingFlow, states: Array, modes: Array, duration: Numeric, be
         How long each is followed.
     """
     n = states.shape[1]
-    equations, kernel, names = _kernel(traced_flow(flow, n), record=False)
-    rows = _row(flow, equations, names, states, duration, begin, None)
+    equations, kernel, names = flow_kernel(traced_flow(flow, n), record=False)
+    rows = flow_row(flow, equations, names, states, duration, begin, None)
     start = np.column_stack([np.zeros(len(states)), states, np.where(modes < 0, modes, 1.0 + modes)])
-    result = lanes.run(kernel, np.ascontiguousarray(rows), start, lanes.Job(1, 0, False, 1e-9, 0.75, _BUDGET))
+    result = lanes.run(kernel, np.ascontiguousarray(rows), start, lanes.Job(1, 0, False, 1e-9, 0.75, BUDGET))
     status = np.where(np.isfinite(result.end[:, 1:]).all(axis=1), result.status, np.maximum(result.status, Status.NOT_A_NUMBER))
     good = status <= Status.REPEATS
     y = np.where(good[:, None], result.end[:, 1:], np.nan)
@@ -318,11 +318,11 @@ def returned(
         How long each is followed if it does not come back.
     """
     n, (which, direction, value) = states.shape[1], section
-    equations, kernel, names = _kernel(traced_flow(flow, n), False, until_section)
+    equations, kernel, names = flow_kernel(traced_flow(flow, n), False, until_section)
     more = {weight_of(i): direction if i == which else 0.0 for i in range(n)} | {VALUE: direction * value, RETURNS: float(returns)}
-    rows = _row(flow, equations, names, states, longest, 0.0, None, more)
+    rows = flow_row(flow, equations, names, states, longest, 0.0, None, more)
     start = np.column_stack([np.zeros(len(states)), states, np.where(modes < 0, modes, 1.0 + modes)])
-    result = lanes.run(kernel, np.ascontiguousarray(rows), start, lanes.Job(1, 0, False, 1e-9, 0.75, _BUDGET * returns))
+    result = lanes.run(kernel, np.ascontiguousarray(rows), start, lanes.Job(1, 0, False, 1e-9, 0.75, BUDGET * returns))
     back = result.status == Status.RETURNED
     status = np.where(back, int(Status.FINISHED), result.status)
     status = np.where(np.isfinite(result.end[:, 1:]).all(axis=1), status, np.maximum(status, Status.NOT_A_NUMBER))

@@ -39,6 +39,10 @@ class Method(Protocol):
     def observes(self) -> bool:
         """Whether it evaluates a user's functions of the state on the way."""
 
+    @property
+    def pauses(self) -> bool:
+        """Whether it can stop at any instant, and go on from there with other numbers."""
+
     def accepts(self, model: Model) -> str | None:
         """None where it solves a machine, or all of a batch; else why not."""
 
@@ -78,6 +82,7 @@ class ClosedArcs:
     title: str = "closed arcs"
     names: tuple[str, ...] = ("auto", "exact")
     observes: bool = False
+    pauses: bool = False
 
     def accepts(self, model: Model) -> str | None:
         """By the traced equations, which are taken apart into a sine and constants."""
@@ -99,6 +104,7 @@ class LocalSteps:
     title: str = "local Taylor steps"
     names: tuple[str, ...] = ("auto", "exact")
     observes: bool = False
+    pauses: bool = False
 
     def accepts(self, model: Model) -> str | None:
         """By how many contacts there are, and what their forces are made of."""
@@ -120,6 +126,7 @@ class TaylorSteps(Stepping):
     title: str = "Taylor steps"
     names: tuple[str, ...] = ("auto", "exact")
     observes: bool = True
+    pauses: bool = True
 
     def accepts(self, model: Model) -> str | None:
         """Laws that rest exactly."""
@@ -139,6 +146,7 @@ class Rosenbrock(Stepping):
     title: str = "Rosenbrock steps"
     names: tuple[str, ...] = ("auto", *TABLEAUX)
     observes: bool = True
+    pauses: bool = True
 
     def accepts(self, model: Model) -> str | None:
         """Laws with inner states."""
@@ -158,6 +166,7 @@ class TaylorSeries(Stepping):
     title: str = "Taylor series"
     names: tuple[str, ...] = ("auto", "taylor")
     observes: bool = False
+    pauses: bool = True
 
     def accepts(self, model: Model) -> str | None:
         """Laws whose inner state relaxes with a rate that grows with the velocity, asked of the traced equations."""
@@ -179,6 +188,7 @@ class RungeKutta:
     title: str = "Runge-Kutta steps"
     names: tuple[str, ...] = ("rk4",)
     observes: bool = False
+    pauses: bool = False
 
     def accepts(self, model: Model) -> str | None:
         """One body on one contact, of what a plain script knows."""
@@ -207,6 +217,7 @@ class IndependentJudge:
     title: str = "SciPy"
     names: tuple[str, ...] = ("auto", "radau", "lsoda", "bdf", "dop853")
     observes: bool = False
+    pauses: bool = False
 
     def accepts(self, model: Model) -> str | None:
         """Everything."""
@@ -220,6 +231,7 @@ class IndependentJudge:
 
 
 _BLIND = "it evaluates no functions of the state: observe is for the compiled methods"
+_ENDLESS = "it does not pause between two steps of a caller's"
 #: In the order in which they are asked.
 ALL: tuple[Method, ...] = (
     ClosedArcs(),
@@ -256,10 +268,10 @@ def _refusal(method: Method, model: Model) -> str | None:
     return _refusals((method, known_kind(model)), lambda: method.accepts(model))
 
 
-def method_for(name: str, model: Model, observed: bool = False) -> Method:
+def method_for(name: str, model: Model, observed: bool = False, pauses: bool = False) -> Method:
     """The first method of a name that takes a machine; `InputError` with what each says where none does.
 
-    With `observed` it evaluates a user's functions of the state.
+    With `observed` it evaluates a user's functions of the state, with `pauses` it can stop at any instant.
 
     Examples
     --------
@@ -271,7 +283,7 @@ def method_for(name: str, model: Model, observed: bool = False) -> Method:
     refusals = {}
     for method in ALL:
         if name in method.names:
-            reason = _BLIND if observed and not method.observes else _refusal(method, model)
+            reason = _BLIND if observed and not method.observes else _ENDLESS if pauses and not method.pauses else _refusal(method, model)
             if reason is None:
                 return method
             refusals[method.title] = reason.partition("; type method=")[0]

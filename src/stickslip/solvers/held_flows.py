@@ -1,0 +1,142 @@
+"""A switching flow as a case that a held lane follows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from stickslip.basics.batch import labels_of
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError
+from stickslip.basics.status import STATUS
+from stickslip.engine.held_lane import HeldLane, Side
+from stickslip.models.switching_flow import SwitchingFlow
+from stickslip.results.flow_run import ModeChange
+from stickslip.solvers import flow_engine
+from stickslip.solvers.flow_solving import asked_of
+from stickslip.solvers.held_cases import Standing, times_of
+
+_RTOL = 1e-9  # no step of a flow depends on it
+_ENDLESS = 1e9  # switches
+
+
+class FlowCase:
+    """A switching flow, whose numbers are its inputs.
+
+    Parameters
+    ----------
+    flow : SwitchingFlow
+        Of single numbers.
+    start, method
+        As for `solve`.
+    mode
+        The first one, if it is not the flow's first.
+    """
+
+    period = None  # the time of a flow goes on
+    method = "exact"
+    is_pushed = False
+    unit: float | None
+
+    def __init__(self, flow: SwitchingFlow, start: Any, method: str, mode: Any = None):
+        if shape := labels_of(flow).shape:
+            raise InputError("simulation", [f"the flow is a batch of shape {shape}; allowed is one case; type ss.solve(flow) for a batch"])
+        self.asked = {"start": start, "rtol": _RTOL, "method": method, "mode": mode}
+        options = {} if mode is None else {"mode": mode}
+        asked = asked_of(flow, None, None, start, "trajectory", 4, method, 1.0, options)
+        self.model, self._labels, self.unit = flow, list(flow.modes), None if flow.period is None else float(flow.period)
+        self._y, self._mode, self._n = asked.states, asked.mode, asked.states.shape[1]
+        self._equations, self.kernel, self._names = flow_engine.flow_kernel(asked.equations, record=True)
+        self._known = flow.names(self._n)
+
+    @property
+    def names(self) -> dict[str, str]:
+        """Its numbers."""
+        return {name: name for name in self.model.numbers}
+
+    def numbers(self) -> dict[str, float]:
+        """The inputs as they are now."""
+        return {name: float(value) for name, value in self.model.numbers.items()}
+
+    @property
+    def machine(self) -> SwitchingFlow:
+        """The flow."""
+        return self.model
+
+    def ready_for(self, numbers: Iterable[str]) -> FlowCase:
+        """Itself: any of its numbers can change."""
+        return self
+
+    def is_quick(self, number: str) -> bool:
+        """A flow's numbers may be any, so that each changes alone."""
+        return number in self._names
+
+    def column(self, number: str) -> int | None:
+        """Where a number stands in a row."""
+        return self._names.index(number)
+
+    def lane(self, span: float, side: Side | None = None) -> HeldLane:
+        """A lane at the start."""
+        start = np.concatenate(
+            [[0.0], self._y[0], np.zeros(self.kernel.states - self._n), [flow_engine.number_of_mode(self.model, self._mode)]]
+        )
+        return HeldLane(self.kernel, self.row(span), start, _RTOL)
+
+    def row(self, span: float) -> Array:
+        """The numbers in the kernel's order."""
+        row: Array = flow_engine.flow_row(self.model, self._equations, self._names, self._y, span, 0.0, _ENDLESS)[0]
+        return row
+
+    def changed(self, numbers: Mapping[str, float]) -> FlowCase:
+        """The same case with other numbers."""
+        other = object.__new__(FlowCase)
+        other.__dict__.update(self.__dict__)
+        other.model = self.model.replace(dict(numbers))
+        return other
+
+    def rebase(self, side: Side, before: FlowCase, t: float) -> None:
+        """States are counted from zero."""
+
+    def standing(self, side: Side, t: float) -> Standing:
+        """Where a lane stands."""
+        return Standing(t, side.states[: self._n].copy(), side.sides, side.memory.copy())
+
+    def _mode_of(self, side: Side) -> Any:
+        return self._labels[round(float(side.memory[0])) - 1]
+
+    def state(self, side: Side, t: float) -> dict[str, Any]:
+        """t, the states by their names, and the mode."""
+        return {"t": t, **dict(zip(self._known, side.states[: self._n].tolist(), strict=True)), "mode": self._mode_of(side)}
+
+    def start(self, side: Side, t: float) -> dict[str, Any]:
+        """The states as `solve` takes a start."""
+        return dict(zip(self._known, side.states[: self._n].tolist(), strict=True))
+
+    def parts(self, side: Side, t: float) -> dict[str, dict[str, Any]]:
+        """A flow has none."""
+        return {}
+
+    def events(self, before: Standing, rows: Array, after: Standing) -> list[ModeChange]:
+        """The switches, each once however many of them fall on one instant."""
+        sides, t = np.concatenate([before.sides[None], rows[:, 4:6], after.sides[None]]), times_of(rows, None)
+        modes = [self._labels[round(float(number)) - 1] for number in sides[:, 0]]
+        return [ModeChange(float(t[k]), modes[k], modes[k + 1]) for k in np.flatnonzero(np.diff(sides[:, 1]) > 0)]
+
+    def lost(self, side: Side, t: float) -> list[Any]:
+        """Nothing is pressed."""
+        return []
+
+    def run(self, rows: Array, more: dict[str, Any]) -> Any:
+        """`InputError`: its steps are not kept."""
+        raise InputError("simulation", ["the run of a flow is not kept step by step; type ss.solve(flow, duration=60.0) for one"])
+
+    def budget(self, duration: float) -> float:
+        """As many as in one run."""
+        return float(flow_engine.BUDGET)
+
+    def sentence(self, status: int, side: Side, t: float) -> str:
+        """Why a step could not be made."""
+        end = ", ".join(f"{name} = {value:.9g}" for name, value in self.start(side, t).items())
+        return f"{STATUS[status]} at t = {t:.9g} in mode {self._mode_of(side)!r}, where {end}"
