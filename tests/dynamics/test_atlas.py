@@ -174,8 +174,6 @@ def test_all_that_is_wrong_is_said_at_once():
     assert len(raised.value.problems) == 8
     with pytest.raises(ss.InputError, match="two numbers of the machine by name"):
         ss.atlas(ss.presets.piezo_rig, over={"amplitude": (3e-4, 4e-4)}, **RIG)
-    with pytest.raises(ss.InputError, match="has no period"):
-        ss.atlas(ss.BlockOnBelt, over={"speed": (0.1, 0.2), "mass": (1.0, 2.0)}, stiffness=2.0, friction=ss.Coulomb(1.0, 1.0), load=1.0)
 
 
 def test_a_place_outside_is_refused_by_name(found):

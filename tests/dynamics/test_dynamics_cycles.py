@@ -111,11 +111,6 @@ def test_the_stick_slip_cycle_ends_at_a_critical_speed():
         ss.periodic_orbit(belt(WEAK, value + 1e-3, damping=0.3))
 
 
-def test_what_needs_a_drive_says_so_of_a_belt():
-    with pytest.raises(ss.InputError, match=r"BlockOnBelt has no period.*ss\.continuation"):
-        ss.atlas(belt(), over={"speed": (0.1, 0.2), "damping": (0.0, 0.1)})
-
-
 @pytest.mark.parametrize("kind", [ss.BlockOnBelt, ss.PulledMass])
 def test_cycles_that_lie_side_by_side_are_not_followed(kind):
     """Without damping and stiction a mass swings on its spring at any amplitude below the speed: folds there would be rounding."""

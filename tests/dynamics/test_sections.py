@@ -168,6 +168,19 @@ def test_a_pulled_mass_makes_its_way_with_the_pull():
     assert only.mean_velocity == pytest.approx(0.1, abs=1e-12) and only.orbit.duration == pytest.approx(DURATION, rel=1e-9)
 
 
+def test_mean_velocities_of_cycles_are_those_of_the_pull():
+    pulled = ss.PulledMass(mass=1.0, stiffness=2.0, speed=[0.1, 0.2], friction=COULOMB.friction)
+    assert ss.periodic_mean_velocity(pulled) == pytest.approx([0.1, 0.2], abs=1e-12)
+    assert ss.periodic_mean_velocity(COULOMB) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_verdict_and_an_atlas_tell_stick_slip_from_steady_sliding():
+    kinds = [ss.verdict(BELT.replace(speed=speed), periods=20, settle=60, start=dict(x=1.5)).kind for speed in (0.8, 1.0)]
+    assert kinds == ["periodic", "steady"]
+    plane = ss.atlas(BELT, over={"speed": [0.8, 1.0], "damping": [0.1, 0.11]}, starts=dict(x=[0.3, 1.5]), settle=60, branches=0, refine=0)
+    assert plane.at(speed=0.8, damping=0.1) == ("steady", "stick-slip") and plane.at(speed=1.0, damping=0.1) == ("steady",)
+
+
 @dataclass(frozen=True, eq=False)
 class TwoBlocks(ss.Machine):
     """Two blocks on one belt, joined by a spring (Galvanetto and Bishop 1999)."""

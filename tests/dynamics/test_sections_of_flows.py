@@ -181,3 +181,28 @@ def test_every_door_leads_to_that_cycle():
     assert ss.verdict(HUNT, periods=40, settle=20, start=start).kind == "periodic"
     diagram = ss.bifurcation(HUNT, parameter="k", values=[5.9, 6.0], settle=20, points=4, start=start)
     np.testing.assert_allclose(diagram.duration.values[:, 1], T, rtol=1e-6)
+
+
+def test_between_two_cycles_is_an_unstable_one_of_which_a_run_keeps_away():
+    """With little effort a small cycle that slides and a large one that does not attract; SciPy's runs beside the edge part there."""
+    flow = HUNT.replace(effort=0.1)
+    small, large = {"prey": 0.5118, "predator": 1.544, "mode": "hunted"}, {"prey": 1.5, "predator": 0.5}
+    edge = ss.edge_state(flow, small, large)
+    assert edge.kind == "repeller" and edge.multipliers[0] > 1.0 and edge.orbit.residual < 1e-9
+    beside = [ss.solve(flow, start=edge.state[:2] * side, mode="hunted", duration=400.0) for side in ([1.0, 1.01], [1.0, 0.99])]
+    assert sorted({event.after for event in run.events[-6:]} == {"free", "hunted"} for run in beside) == [False, True]
+
+
+def test_what_does_not_come_back_to_a_section_has_not_settled():
+    flow = HUNT.replace(effort=0.1)
+    b = ss.basins(flow, prey=[0.4], predator=[0.5, 0.89], settle=20, section=("prey", 2.5))
+    assert b.map.motion.values[0].tolist() == ["periodic", "not settled"]
+    assert "does not come back to the section (prey" in b.notes[0] and "type section=(name, value)" in b.notes[0]
+    assert [a.kind for a in ss.basins(flow, prey=[0.4], predator=[0.5, 0.89], settle=20).attractors] == ["periodic"] * 2
+
+
+def test_an_atlas_names_cycles_by_their_modes():
+    plane = ss.atlas(
+        HUNT, over={"k": [5.0, 6.0], "effort": [0.1, 0.35]}, starts={"prey": [1.0], "predator": [0.5]}, settle=20, branches=0, refine=0
+    )
+    assert "modes hunted slides" in plane.at(k=6.0, effort=0.35) and "modes free hunted" in plane.at(k=6.0, effort=0.1)

@@ -9,6 +9,7 @@ import numpy as np
 from stickslip.basics.arguments import Model, explains_arguments
 from stickslip.basics.errors import InputError, is_whole
 from stickslip.basics.interruption import interruptible
+from stickslip.models.machine_adapter import machine_of
 from stickslip.models.state_layout import of_one_contact
 from stickslip.models.switching_flow import is_flow
 from stickslip.records import measures
@@ -23,6 +24,9 @@ if TYPE_CHECKING:
     from stickslip.results.flow_run import FlowRun
     from stickslip.results.trajectory import Trajectory
 
+_FIRST = 60  # times a machine's own time: its first run, where it has no period
+_CLOSE, _FINEST = 1e-9, 1e-10  # of its swing: how near a cycle comes back that has settled; tolerance of such runs under dynamic laws
+_OF_TYPES = (0.75, 0.03)  # thresholds of motion types, on which no mean depends
 #: Largest period number that is looked for.
 LONGEST_PERIOD = recurrence.LONGEST
 
@@ -206,14 +210,14 @@ def periodic_mean_velocity(model: Model, periods: int = 2000, rtol: float = 1e-1
     other robot is run until its strobe point is estimated to be within 3 rtol of the periodic one, in units of A mu omega
     (`free_velocity`). At the default the means of 240 random robots (LuGre, Dahl, Stribeck, viscous) are within 2e-12 A mu omega of those
     of long runs. A case that has not come so close after `periods`, because of rounding or slow convergence, is tried again with 100 and
-    with 10,000 times that tolerance, and is NaN only after that.
+    with 10,000 times that tolerance, and is NaN only after that. A machine without a period is run until it repeats, or is steady.
 
     Parameters
     ----------
     model : Robot
         One robot, or a batch.
     periods : int
-        Longest run for robots without a closed formula.
+        Longest run for robots without a closed formula; of a machine without a period in its own times (`time_scale`).
     rtol : float
         Tolerance of that run, and of the strobe point's return.
 
@@ -233,6 +237,8 @@ def periodic_mean_velocity(model: Model, periods: int = 2000, rtol: float = 1e-1
         raise InputError(
             "periodic_mean_velocity", ["a flow has no displacement; type ss.solve(flow, keep='summary', ...) for the means of its states"]
         )
+    if model.period is None:
+        return _mean_of_cycles(model, periods, rtol)
     closed = closed_mean_velocity(model)
     if closed is not None:
         return closed
@@ -247,6 +253,34 @@ def periodic_mean_velocity(model: Model, periods: int = 2000, rtol: float = 1e-1
             many: Any = solve(some_of(model, left), periods=periods, settle="auto", rtol=min(looser * rtol, 1e-3), keep="summary")
             means[left] = np.where(many.period > 0, many.mean_velocity, np.nan)
     return means.reshape(shape)[()]
+
+
+def _mean_of_cycles(model: Model, periods: int, rtol: float) -> Any:
+    """The same of machines without a period: of the cycle, or the steady motion, that a run from rest ends in."""
+    from stickslip.basics.batch import cases_of, shape_of
+
+    return np.array([_mean_of_cycle(case, periods, rtol) for case in cases_of(model)]).reshape(shape_of(model))[()]
+
+
+def _mean_of_cycle(model: Any, periods: int, rtol: float) -> float:
+    """The same of one: of the shortest run that has come back closely, else of the longest that has settled; NaN where none has."""
+    from stickslip.analysis.oscillation import oscillation
+    from stickslip.solvers import solve
+
+    machine = machine_of(model)
+    if machine.time_scale is None:
+        mistake = f"{type(model).__name__} has neither a period nor a time_scale, so it is not known how long to run it"
+        raise InputError("periodic_mean_velocity", [f"{mistake}; give the class a time_scale, such as time_scale = 1.0"])
+    options: dict[str, Any] = {"rtol": max(rtol, _FINEST)} if machine.has_inner_states else {}
+    mean, length = np.nan, min(_FIRST, periods)
+    while length <= periods:
+        run = solve(model, duration=length * float(machine.time_scale), keep="trajectory", **options)
+        m = oscillation(run, *_OF_TYPES)
+        mean = m.mean_velocity if m.settled else mean
+        if m.settled and m.change <= max(_CLOSE, 10.0 * rtol):
+            break
+        length = min(2 * length, periods) if length < periods else periods + 1
+    return mean
 
 
 def closed_mean_velocity(model: Model) -> Any:

@@ -320,7 +320,7 @@ def returned(
     n, (which, direction, value) = states.shape[1], section
     equations, kernel, names = flow_kernel(traced_flow(flow, n), False, until_section)
     more = {weight_of(i): direction if i == which else 0.0 for i in range(n)} | {VALUE: direction * value, RETURNS: float(returns)}
-    rows = flow_row(flow, equations, names, states, longest, 0.0, None, more)
+    rows = flow_row(flow, equations, names, states, longest, 0.0, MOST_SWITCHES * returns, more)
     start = np.column_stack([np.zeros(len(states)), states, np.where(modes < 0, modes, 1.0 + modes)])
     result = lanes.run(kernel, np.ascontiguousarray(rows), start, lanes.Job(1, 0, False, 1e-9, 0.75, BUDGET * returns))
     back = result.status == Status.RETURNED

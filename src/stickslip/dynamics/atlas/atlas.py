@@ -48,6 +48,8 @@ def atlas(
     settle: int = 200,
     limit: int | None = None,
     rtol: float = 1e-7,
+    section: Any = None,
+    turns: int = 1,
     branches: int = 40,
     refine: int = 1,
     workers: int = 1,
@@ -66,8 +68,8 @@ def atlas(
     ----------
     make : callable, Robot or SwitchingFlow
         A function that makes a robot from keyword arguments, or a robot or machine whose numbers have dotted names, or a flow with numbers.
-        The drive must be periodic; a map by ``SwitchingFlow.of_map``. Motions of a flow are named by their modes in turn, or by the number
-        of their switches where it has one mode.
+        A map by ``SwitchingFlow.of_map``. Motions of a flow are named by their modes in turn, or by the number of their switches where it
+        has one mode; those of a machine without a period as `ss.motion` names them.
     over : dict
         Two parameters by name, each with a range (least, largest), which is divided evenly (24 and 16 values), or with a list of ascending
         values.
@@ -80,6 +82,11 @@ def atlas(
         said of it.
     rtol : float
         Tolerance of these runs for dynamic laws.
+    section : str or tuple, optional
+        Of a model without a period: where its motions are looked at, by the name of a state, ``section="v"``, with the value that it
+        passes, ``section=("v", 0.0)``, and the direction, 1 where it rises and -1 where it falls. If not given, it is chosen from a run.
+    turns : int
+        Of a model without a period: after how many returns to the section it is looked at again.
     branches : int
         Largest number of motions to follow; with 0 only the grid is computed.
     refine : int
@@ -116,13 +123,15 @@ def atlas(
     >>> [border.kind for border in atlas.borders], atlas.at(amplitude=3.7e-4, mu0=0.18), atlas.at(amplitude=3.71e-4, mu0=0.18)
     (['type-border'], ('II',), ('I',))
     """
-    plane, look = _planned("atlas", make, over, starts, settle, limit, rtol, branches, refine, workers, resume, out, fixed)
+    plane, look = _planned(
+        "atlas", make, over, starts, settle, limit, rtol, branches, refine, workers, resume, out, fixed, (section, turns)
+    )
     return _Making(plane, look, AtlasStudy(out, plane, look, bool(resume)), workers, progress).made(branches, refine)
 
 
 def _planned(
     what: str, make: Model | Callable[..., Any], over: Any, starts: Any, settle: Any, limit: Any, rtol: Any, branches: Any,
-    refine: Any, workers: Any, resume: Any, out: Any, fixed: dict[str, Any],
+    refine: Any, workers: Any, resume: Any, out: Any, fixed: dict[str, Any], asked: tuple[Any, int],
 ) -> tuple[Plane, Look]:  # fmt: skip
     """The plane and how it is looked at, all arguments checked."""
     most = 0
@@ -139,7 +148,7 @@ def _planned(
         if resume and out is None:
             problems.add("resume is for a folder; give one with out=, such as out='atlas'")
 
-    plane = plane_over(what, make, over, starts, fixed, check)
+    plane = plane_over(what, make, over, starts, fixed, check, asked)
     return plane, Look(int(settle), most, float(rtol))
 
 
@@ -368,7 +377,7 @@ class AtlasTime:
 @interruptible
 def atlas_time(
     make: Maker, *, over: dict[str, Any], starts: int | dict[str, Any] = 5, settle: int = 200, limit: int | None = None,
-    rtol: float = 1e-7, branches: int = 40, refine: int = 1, workers: int = 1, **fixed: Any,
+    rtol: float = 1e-7, section: Any = None, turns: int = 1, branches: int = 40, refine: int = 1, workers: int = 1, **fixed: Any,
 ) -> AtlasTime:  # fmt: skip
     """Estimate how long `atlas` takes with the same arguments, from sixteen points of its grid, one branch from its middle and one curve.
 
@@ -378,7 +387,7 @@ def atlas_time(
 
     Parameters
     ----------
-    make, over, starts, settle, limit, rtol, branches, refine, workers, **fixed
+    make, over, starts, settle, limit, rtol, section, turns, branches, refine, workers, **fixed
         As for `atlas`.
 
     Returns
@@ -393,7 +402,9 @@ def atlas_time(
     >>> 0 < told.grid < 60
     True
     """
-    plane, look = _planned("atlas_time", make, over, starts, settle, limit, rtol, branches, refine, workers, False, None, fixed)
+    plane, look = _planned(
+        "atlas_time", make, over, starts, settle, limit, rtol, branches, refine, workers, False, None, fixed, (section, turns)
+    )
     probed = [plane.cell(int(k)) for k in np.unique(np.linspace(0, plane.cells - 1, min(_PROBED, plane.cells)).round())]
     probes = motions_at(plane, probed[:1], look)  # compiles
     began = time.perf_counter()

@@ -157,6 +157,7 @@ def _identity(plan: Plan, models: ModelIdentities, plane: Plane, look: Look) -> 
     return {
         **sweep,
         "starts": json.dumps([_DRAWN, as_plain(plane.starts)]),
+        **({} if plane.asked == (None, 1) else {"section": json.dumps([as_plain(plane.asked[0]), plane.asked[1]])}),
         "limit": f"{look.limit} drive periods for what has not settled",
     }
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,8 +13,9 @@ from stickslip.basics.errors import InputError
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 from stickslip.dynamics.attractors.kinds_of_motion import PERIODIC, UNSETTLED
 from stickslip.dynamics.attractors.motion_features import features_of, motion_numbers
-from stickslip.dynamics.attractors.settled_motions import settled_motions
+from stickslip.dynamics.attractors.settled_motions import motion_times, settled_motions
 from stickslip.dynamics.flows.flow_stretches import passage
+from stickslip.dynamics.periodic.limit_cycles import LimitCycle
 from stickslip.dynamics.stroboscopic.strobe_maps import spread_over, state_at_rest
 from stickslip.models.machine_adapter import machine_of
 from stickslip.solvers import solve
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
 
 _LOOKED = 64  # drive periods over which a motion is named
+_TYPED = 1e-10  # tolerance of the run by which a cycle is named
 _JOINED = " | "  # the patterns of several contacts
 
 
@@ -133,9 +135,10 @@ def _run(plane: Plane, begun: dict[Cell, Array], look: Look) -> dict[Cell, Point
     owner = np.repeat(np.arange(len(begun)), [len(states) for states in begun.values()])
     values = np.array([plane.point(cell) for cell in begun])[owner]
     model = plane.family.robots(*values.T)
-    T = np.broadcast_to(np.asarray(model.period, float), owner.shape)
-    settled = settled_motions(model, np.vstack(list(begun.values())), plane.at, look.settle, look.limit, look.rtol, groups=owner)
-    motions = features_of(T, settled, plane.at)
+    states = np.vstack(list(begun.values()))
+    T, at = None if model.period is None else np.broadcast_to(np.asarray(model.period, float), owner.shape), plane.on(model, states, owner)
+    settled = settled_motions(model, states, at, look.settle, look.limit, look.rtol, groups=owner)
+    motions, times = features_of(T, settled, at), motion_times(settled)
     first: list[int] = []  # one run of each motion
     by_point: list[list[tuple[int, int, float, int]]] = []
     lost = np.bincount(owner, ~settled.attracted, len(begun)).astype(int).tolist()
@@ -148,7 +151,7 @@ def _run(plane: Plane, begun: dict[Cell, Array], look: Look) -> dict[Cell, Point
         first += [int(m[0]) for m in own]
     states, kinds = settled.points[first, -1], settled.kind[first]
     periods = [p for of in by_point for _, p, _, _ in of]
-    words = _words(plane, values[first], states, periods, look) if first else []
+    words = _words(plane, values[first], states, periods, times[first], look) if first else []
     return {
         cell: PointOfGrid(
             _sorted([MotionThere(_named(words[i], str(kinds[i]), p), p, V, tuple(states[i].tolist()), n) for i, p, V, n in of]),
@@ -169,11 +172,12 @@ def _named(word: str, kind: str, period: int) -> str:
     return kind if kind != PERIODIC else word if period == 1 else f"{word}, period {period}"
 
 
-def _words(plane: Plane, values: Array, states: Array, periods: list[int], look: Look) -> list[str]:
-    """The type of each motion; of several contacts the pattern of each; of a flow its modes in turn."""
-    if plane.of_flows:
-        flows = (plane.family.robot(*point) for point in values)
-        return [_modes(flow, state, p) if p else "" for flow, state, p in zip(flows, states, periods, strict=True)]
+def _words(plane: Plane, values: Array, states: Array, periods: list[int], times: Array, look: Look) -> list[str]:
+    """The type of each motion; of several contacts the pattern of each; of a flow its modes in turn. `times` are those of cycles."""
+    if plane.of_flows or plane.sample.period is None:
+        models = (plane.family.robot(*point) for point in values)
+        called = _modes if plane.of_flows else _cycle
+        return [called(model, state, p, float(T)) if p else "" for model, state, p, T in zip(models, states, periods, times, strict=True)]
     model = spread_over(plane.family.robots(*values.T), len(states))
     options = {"rtol": look.rtol} if machine_of(model).has_inner_states else {}
     summary = solve(model, periods=_LOOKED, settle="auto", start=plane.at.start(states), keep="summary", **options)
@@ -182,11 +186,17 @@ def _words(plane: Plane, values: Array, states: Array, periods: list[int], look:
     return [_JOINED.join(np.atleast_1d(word).tolist()) for word in words]
 
 
-def _modes(flow: SwitchingFlow, state: Array, period: int) -> str:
+def _cycle(model: Any, state: Array, turns: int, duration: float) -> str:
+    """The type of a limit cycle; of several contacts the pattern of each."""
+    cycle = LimitCycle(model, turns, state, duration, np.nan, _TYPED)
+    return cycle.type if len(cycle.patterns) < 2 else _JOINED.join(cycle.patterns.values())
+
+
+def _modes(flow: SwitchingFlow, state: Array, period: int, duration: float) -> str:
     """The modes of a periodic motion in turn, once if it goes through them twice; where there is one mode, the number of switches."""
-    modes = list(flow.modes)
+    modes, length = list(flow.modes), duration if flow.period is None else period * float(flow.period)
     mode = mode_of_strobe_state(flow, state)
-    turns = [str(after) for _, _, after in passage(flow, state[:-1], mode, period * float(flow.period)).events]
+    turns = [str(after) for _, _, after in passage(flow, state[:-1], mode, length).events]
     once = next(turns[: len(turns) // k] for k in range(period, 0, -1) if len(turns) % k == 0 and turns == turns[: len(turns) // k] * k)
     if len(modes) == 1:
         return f"{len(once)} switch{'es' * (len(once) != 1)}"

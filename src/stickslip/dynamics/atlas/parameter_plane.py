@@ -15,8 +15,9 @@ from stickslip.basics.fields import floats
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.attractors.basins import from_rest, grid_of, start_axes
 from stickslip.dynamics.continuation.one_parameter import Family, family
+from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, state_at_rest
 from stickslip.models.naming import in_its_unit
 from stickslip.models.switching_flow import is_flow
 
@@ -38,11 +39,14 @@ class Plane:
         Values of the two numbers, rising.
     starts : int or dict
         How many starts, or the grid of them as `basins` takes it.
+    asked : (section, turns)
+        Where motions without a period are looked at, as `basins` takes it.
     """
 
     family: Family
     axes: tuple[Array, Array]
     starts: int | dict[str, Any]
+    asked: tuple[Any, int] = (None, 1)
 
     @property
     def names(self) -> tuple[str, str]:
@@ -82,6 +86,23 @@ class Plane:
         return [robot for cell in probes if (robot := self.family.made(*self.point(cell))) is not None]
 
     @cached_property
+    def _section(self) -> Any:
+        """The section as it is asked for everywhere in the plane: by one and the same state."""
+        section, turns = self.asked
+        states = self.states(state_at_rest(self.sample, self.at)[0], (0, 0))
+        at = on_section(self.sample, self.at, section=section, turns=turns, states=states, what="atlas")
+        return at.section.name if section is None else section
+
+    def on(self, model: Any, states: Array, owner: Array) -> Coordinates:
+        """The coordinates of a batch of its machines, with a section where they have no period, from their starts.
+
+        `owner` says which cases stand at one point.
+        """
+        if model.period is not None:
+            return on_section(model, self.at, section=self.asked[0], turns=self.asked[1], what="atlas")
+        return on_section(model, self.at, section=self._section, turns=self.asked[1], states=states, groups=owner, what="atlas")
+
+    @cached_property
     def of_flows(self) -> bool:
         """Whether they are flows, which make no way."""
         return is_flow(self.sample)
@@ -95,7 +116,7 @@ class Plane:
     def halved(self) -> Plane:
         """The same plane with a value between any two neighbouring ones; its point (2 i, 2 j) is the point (i, j) of this one."""
         first, second = (np.insert(axis, np.arange(1, len(axis)), 0.5 * (axis[:-1] + axis[1:])) for axis in self.axes)
-        return Plane(self.family, (first, second), self.starts)
+        return Plane(self.family, (first, second), self.starts, self.asked)
 
     def states(self, rest: Array, cell: Cell) -> Array:
         """The starts of the machine at a point, whose state of rest is given: array (starts, coordinates).
@@ -138,8 +159,9 @@ class Plane:
 
 
 def plane_over(
-    what: str, make: Model | Callable[..., Any], over: Any, starts: Any, fixed: dict[str, Any], check: Callable[[Problems], None]
-) -> Plane:
+    what: str, make: Model | Callable[..., Any], over: Any, starts: Any, fixed: dict[str, Any], check: Callable[[Problems], None],
+    asked: tuple[Any, int] = (None, 1),
+) -> Plane:  # fmt: skip
     """The plane over two numbers, checked with everything else that was given; `InputError` with all that is wrong."""
     problems = Problems(what)
     axes = _axes(make, over, problems)
@@ -148,8 +170,8 @@ def plane_over(
     check(problems)
     problems.check()
     first, second = axes.values()
-    plane = Plane(family(what, make, tuple(axes), fixed), (first, second), starts)
-    needs_model(what, plane.sample, flows=True)
+    plane = Plane(family(what, make, tuple(axes), fixed), (first, second), starts, asked)
+    needs_model(what, plane.sample, flows=True, sections=True)
     if isinstance(starts, dict):
         if "phase" in starts:
             raise InputError(what, ["phase is not part of the strobe state, by which motions are distinguished; leave it out"])

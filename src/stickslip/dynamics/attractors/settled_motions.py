@@ -28,10 +28,19 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import Problems, is_whole
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import Ending, partial_result
-from stickslip.dynamics.attractors.kinds_of_motion import ATTRACTING, PERIODIC, RUNS_AWAY, STEADY, UNSETTLED, UNSOLVED
+from stickslip.dynamics.attractors.kinds_of_motion import (
+    ATTRACTING,
+    CHAOTIC,
+    PERIODIC,
+    QUASI_PERIODIC,
+    RUNS_AWAY,
+    STEADY,
+    UNSETTLED,
+    UNSOLVED,
+)
 from stickslip.dynamics.attractors.motions_without_period import GroupOfStarts, late_ends
 from stickslip.dynamics.attractors.period_numbers import POINTS
-from stickslip.dynamics.attractors.starts_run_on import NUDGE, NUDGED, STRETCH, StartsRun, WatchedStarts
+from stickslip.dynamics.attractors.starts_run_on import NUDGE, NUDGED, ROUNDED, STRETCH, StartsRun, WatchedStarts
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, over_chunks
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates
 
@@ -169,7 +178,10 @@ def settled_motions(
     left = np.flatnonzero(whole.kind == UNSETTLED)
     for group in np.unique(groups[left]):
         own = np.flatnonzero(groups == group)
-        GroupOfStarts(batch, whole, rtol, np.intersect1d(left, own), late_ends(whole, own)).judge()
+        looked = np.array([i for i in np.intersect1d(left, own).tolist() if i in whole.long], int)
+        if len(looked):
+            GroupOfStarts(batch, whole, rtol, looked, late_ends(whole, own)).judge()
+    _off_the_section(whole)
     _on_unstable_motions(whole)
     whole.period[np.isin(whole.kind, (UNSOLVED, RUNS_AWAY, UNSETTLED))] = 0
     why = np.where(whole.kind == UNSETTLED, whole.why, "")
@@ -177,6 +189,18 @@ def settled_motions(
         whole.kind, whole.period, whole.points, whole.ways, whole.long, whole.exponent, whole.error, whole.run, why, ending,
         whole.times, whole.long_times,
     )  # fmt: skip
+
+
+def _off_the_section(whole: WatchedStarts) -> None:
+    """Of a model without a period: what moves and does not come back to the section in time is looked at at any times, and not known."""
+    section = whole.at.section
+    if section is None:
+        return
+    longest = section.turns * np.broadcast_to(np.asarray(section.longest, float), whole.kind.shape)
+    late = np.any(whole.times >= (1.0 - ROUNDED) * longest[:, None], axis=1)
+    for i in np.flatnonzero(late & np.isin(whole.kind, (PERIODIC, QUASI_PERIODIC, CHAOTIC, UNSETTLED))).tolist():
+        where = f"it moves, and does not come back to the section ({section.of([i]) if np.ndim(section.value) else section})"
+        whole.kind[i], whole.why[i] = UNSETTLED, f"{where} within {longest[i]:.4g}; type section=(name, value) for one that it passes"
 
 
 def _on_unstable_motions(whole: WatchedStarts) -> None:

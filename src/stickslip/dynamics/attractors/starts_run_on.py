@@ -31,6 +31,8 @@ _FAR = 1e4  # in scales: a state beyond this, which has grown by half in each of
 _ROUNDING = 1e-14  # in scales: what a return to a section makes of a state that comes back
 _WITHIN = 0.37  # of a return: the instant at which a motion that is no rest is somewhere else
 _STILL = 10.0  # times the tolerance of returns: what moves by less stands still
+ROUNDED = 1e-12  # of the longest time of a return: what took so long did not come back
+_AWAY = 1e-3  # in scales: what moves by more in that time is not about to come to rest
 _HALVINGS = 30  # of a drive period, in search of the instant at which a run ends
 
 
@@ -42,7 +44,7 @@ class WatchedStarts:
         self.points, self.ways, self.times = np.full((cases, points, d), np.nan), *np.full((2, cases, points), np.nan)
         self.kind, self.period = np.full(cases, NOT_COMPUTED, dtype="<U16"), np.full(cases, UNDONE)
         self.exponent, self.error, self.run = np.full(cases, np.nan), np.full(cases, np.nan), np.zeros(cases, int)
-        self.why, self.long, self.long_times = np.full(cases, "", dtype="<U200"), dict[int, Array](), dict[int, Array]()
+        self.why, self.long, self.long_times = np.full(cases, "", dtype="<U300"), dict[int, Array](), dict[int, Array]()
         self.grows = np.zeros(cases, bool)  # far away, and ever farther
         self.leaves = np.zeros(cases)  # how many times as large a nudge has become, of starts that never moved from a periodic motion
         self.half, self.end = np.zeros(cases, bool), np.zeros(cases, bool)  # irregular when the second half of the run began, at its end
@@ -93,7 +95,7 @@ class StartsRun:
         if self.at.section is None or not len(rows):
             return
         own, states = self.at.of(rows), watched.points[rows, -1]
-        soon = replace(own, section=replace(own.section, longest=_WITHIN * watched.times[rows, -1]))
+        soon = replace(own, section=replace(own.section, longest=_WITHIN * watched.times[rows, -1] / own.section.turns, turns=1))
         within = strobe_map(some_of(self.batch, rows), states, 1, self.rtol, soon).state
         still = rows[own.distance(within, states) <= _STILL * self.tolerance]
         watched.kind[still], watched.period[still] = STEADY, 0
@@ -106,9 +108,19 @@ class StartsRun:
         period = np.where(fine, periods_of(watched.points[rows], self.at.scales, self.tolerance), 0)
         watched.period[rows], watched.run[rows] = period, total
         watched.kind[rows] = np.where(period > 0, PERIODIC, np.where(fine, UNSETTLED, UNSOLVED))
-        self.left = rows[fine & (period == 0)]
+        self.left = rows[fine & (period == 0) & ~self._gone(rows)]
         with np.errstate(invalid="ignore"):
             self.sizes.append(np.max(abs(watched.points[:, -1]) / self.at.scales, axis=1))
+
+    def _gone(self, rows: Array) -> Array:
+        """Which starts never come back to the section, and still move: they are not run on, as more returns show nothing else."""
+        section = self.at.section
+        if section is None:
+            return np.zeros(len(rows), bool)
+        longest = section.turns * np.broadcast_to(np.asarray(section.longest, float), self.watched.kind.shape)[rows]
+        late = np.all(self.watched.times[rows] >= (1.0 - ROUNDED) * longest[:, None], axis=1)
+        steps = self.at.distance(self.watched.points[rows, 1:], self.watched.points[rows, :-1])
+        return np.asarray(late & np.all(steps > _AWAY, axis=1))
 
     def _closing_in(self, rows: Array) -> Array:
         """Which starts come steadily nearer to a periodic motion, and so are not irregular."""

@@ -228,6 +228,8 @@ def _guessed(model: Model, period: int | None, guess: Any) -> tuple[Array, float
         raise InputError(type(model).__name__, ["it has neither a period nor a time_scale, so the time to search for a cycle is not known"])
     if hasattr(guess, "pieces"):
         return _last_turn(guess, period)
+    if isinstance(guess, (list, np.ndarray)) and np.shape(guess) == (len(coordinates(model).names),):
+        guess = coordinates(model).start(np.asarray(guess, float))
     if guess is not None and not isinstance(guess, dict):
         mistake = f"guess = {guess!r}; allowed is a start, a run or a cycle; type guess=dict(x=0.5), or leave it out"
         raise InputError("periodic_orbit", [mistake])

@@ -285,7 +285,7 @@ def derivative_of(orbit: Any, at: Coordinates) -> Array:
     """The derivative of the strobe map, or of the return map, along an orbit."""
     if at.section is None:
         return np.asarray(orbit.monodromy, float)
-    return difference_jacobian(orbit.model, orbit.state, orbit.period, orbit.rtol, at=at)
+    return difference_jacobian(orbit.model, orbit.strobe_state, orbit.period, orbit.rtol, at=at)
 
 
 def _orbit_of_flow(flow: Any, period: int, guess: Any) -> FlowOrbit:

@@ -22,6 +22,7 @@ from stickslip.solvers.plain.composed_flows import composed, mode_of_strobe_stat
 LONGEST_RETURN = 60.0  # times the model's own time: how long a return may take before it is one that does not come back
 LONGEST_CYCLE = 16  # turns after which a cycle may repeat
 _ALIKE, _SAME = 10.0, 1e-9  # times the nearest, and in scales: a return that comes as near as that
+_SOME = 24  # of the starts that are given: those whose motions share a section
 _TRIED = 6  # starts from which a run may show an oscillation, and as many that are scattered about rest
 _STILL = 1e-6  # of the scales: what moves by less in the second half of a run has come to rest
 _LASTING = 0.9  # of the swing in the third quarter of a run: a swing in the last that does not die out
@@ -31,8 +32,9 @@ _LOOKS = 240  # instants at which a batch is looked at, in the second half of a 
 
 
 def on_section(
-    model: Model, at: Coordinates | None = None, *, section: Any = None, turns: int = 1, states: Any = None, what: str = "section"
-) -> Coordinates:
+    model: Model, at: Coordinates | None = None, *, section: Any = None, turns: int = 1, states: Any = None, groups: Any = None,
+    what: str = "section",
+) -> Coordinates:  # fmt: skip
     """The coordinates of a model, and, where it has no period, the section on which its motions are looked at.
 
     Which it is says `stickslip.analysis.section_choice`, from the run of the first start that oscillates; of a batch its value is in the
@@ -49,6 +51,8 @@ def on_section(
         After how many returns the map looks again.
     states : array (starts, coordinates), optional
         Starts from which a run may show where to look; rest if not given.
+    groups : array (cases,), optional
+        Of a batch, which cases are one model: each begins at its own start then, and the motions of one group share their section.
     what : str
         Who asks, for messages.
 
@@ -77,9 +81,18 @@ def on_section(
     else:
         shown = shown_by_a_run(one, at, asked, states)
         cut, longest, lasting, begun = shown.cut, shown.longest, shown.span, shown.begun if shown.oscillates else None
-        values = _middles(model, at, cut, lasting, shown.begun) if len(cases_of(model)) > 1 and asked.value is None else cut.value
+        if states is not None and groups is None and shown.oscillates and asked.value is None:
+            cut, longest = _passed_by_all(one, at, asked, shown, _some(states))
+        many = len(cases_of(model)) > 1 and asked.value is None
+        values = _middles(model, at, cut, lasting, *_begun(model, states, groups, shown)) if many else cut.value
     index = at.names.index(cut.name)
     return replace(at, section=ReturnSection(cut.name, index, values, cut.direction, longest, int(turns), begun))
+
+
+def _begun(model: Any, states: Any, groups: Any, shown: Shown) -> tuple[Array, Array]:
+    """Where the cases of a batch begin, and which of them are one model."""
+    cases = len(cases_of(model))
+    return (np.tile(shown.begun, (cases, 1)), np.arange(cases)) if groups is None else (states, np.asarray(groups))
 
 
 def _where_the_spring_turns(model: Any, asked: Asked) -> tuple[Cut, Any] | None:
@@ -118,17 +131,21 @@ def shown_by_a_run(model: Any, at: Coordinates, asked: Asked, states: Any = None
     With `only` no other starts are tried than those that are given.
     """
     first: Shown | None = None
+    why: list[str] = []
     for state in np.atleast_2d(states) if only else _tried(model, at, states):
-        with suppress(StickslipError):
+        try:
             shown = _shown(model, at, asked, state)
-            if shown.oscillates:
-                return shown
-            first = shown if first is None else first
+        except StickslipError as error:
+            why.append(error.problems[0] if isinstance(error, InputError) else str(error))
+            continue
+        if shown.oscillates:
+            return shown
+        first = shown if first is None else first
     if first is None:
         raise InputError(
             type(model).__name__,
-            ["no run from rest, or from the starts, could be followed, so no section is known on which its motions could be looked at; "
-             "give starts on its motions, or section=(name, value)"],
+            ["it has no period, and no run from the starts, or from rest, could be followed that would show a section on which to look at "
+             f"its motions; the first: {why[0]}"],
         )  # fmt: skip
     return first
 
@@ -139,10 +156,34 @@ def _tried(model: Any, at: Coordinates, states: Any) -> Array:
 
     rest = state_at_rest(model, at)[:1]
     given = rest if states is None else np.atleast_2d(np.asarray(states, float))
-    some = given[np.unique(np.linspace(0, len(given) - 1, _TRIED).round().astype(int))]
+    some = _some(given)
     spread, about = qmc.Halton(at.smooth, scramble=False).fast_forward(1).random(_TRIED), np.tile(rest, (_TRIED, 1))
     about[:, : at.smooth] += 2.0 * (2.0 * spread - 1.0) * at.scales[: at.smooth]
     return np.vstack([some, rest, about])
+
+
+def _some(states: Any) -> Array:
+    """Some of many starts, evenly."""
+    states = np.atleast_2d(np.asarray(states, float))
+    return np.asarray(states[np.unique(np.linspace(0, len(states) - 1, _SOME).round().astype(int))])
+
+
+def _passed_by_all(model: Any, at: Coordinates, asked: Asked, first: Shown, states: Array) -> tuple[Cut, float]:
+    """A section that the motions of all of some starts pass that oscillate, and the longest time of a return; else that of the first."""
+    shown = [first]
+    for state in states:
+        with suppress(StickslipError):
+            other = _shown(model, at, asked, state)
+            shown += [other] if other.oscillates else []
+    lates = [_late(each.run) for each in shown]
+    names = (first.cut.name,) if asked.name is not None else (first.cut.name, *(name for name in lates[0] if name != first.cut.name))
+    for name in names:
+        low, high = max(late[name].min() for late in lates), min(late[name].max() for late in lates)
+        if high - low > _STILL * at.scales[at.names.index(name)]:
+            middle = first.cut.value if name == first.cut.name and low == lates[0][name].min() and high == lates[0][name].max() else None
+            middle = float(0.5 * (low + high)) if middle is None else middle
+            return cut_of(first.run, Asked(name, middle, asked.direction)), max(each.longest for each in shown)
+    return first.cut, first.longest
 
 
 def _shown(model: Any, at: Coordinates, asked: Asked, state: Array) -> Shown:
@@ -215,16 +256,20 @@ def _begins_in(flow: Any, at: Coordinates, state: Array) -> float:
     return float(1.0 / rates.max()) if np.isfinite(rates).all() and rates.max() > 0.0 else 1.0
 
 
-def _middles(model: Model, at: Coordinates, cut: Cut, span: float, begun: Array) -> Array:
-    """The middle of the range of each case of a batch late in runs from one start; that of the first where a case does not move."""
+def _middles(model: Model, at: Coordinates, cut: Cut, span: float, begun: Array, groups: Array) -> Array:
+    """The middle of the range that all moving cases of a group pass late in their runs; that of the first run where none is."""
     index = at.names.index(cut.name)
-    states = flow_map(model, np.tile(begun, (len(cases_of(model)), 1)), 0.5 * span).state
+    states = flow_map(model, begun, 0.5 * span).state
     low, high = states[:, index], states[:, index]
     for _ in range(_LOOKS):
         states = flow_map(model, states, 0.5 * span / _LOOKS).state
         low, high = np.fmin(low, states[:, index]), np.fmax(high, states[:, index])
-    moves = high - low > _STILL * at.scales[index]
-    return np.where(moves, 0.5 * (low + high), cut.value)
+    moves, values = high - low > _STILL * at.scales[index], np.full(len(begun), cut.value)
+    for group in np.unique(groups[moves]):
+        own = np.flatnonzero(moves & (groups == group))
+        shared = float(low[own].max()), float(high[own].min())
+        values[groups == group] = np.mean(shared if shared[1] > shared[0] else (low[own[0]], high[own[0]]))
+    return values
 
 
 def turns_shown(at: Coordinates, points: Array) -> int:
