@@ -327,7 +327,7 @@ def test_what_is_wrong_with_a_flow_and_its_door_is_said_at_once(ball):
         ss.solve(ball, start={"x": 1.0})
     with pytest.raises(ss.InputError, match="numbers of the flow are arrays"):
         ss.passage(ball.replace(r=[0.1, 0.2]), [1.0, 0.0], 0, 1.0)
-    with pytest.raises(ss.InputError, match="has no period, and no run .*: switches accumulate"):
+    with pytest.raises(ss.InputError, match=r"has no period, and no run .*: switches accumulate"):
         ss.basins(ball, height=[1.0])
     with pytest.raises(ss.InputError, match="out is not known of a flow, whose sweeps are kept in memory; leave it out"):
         ss.sweep(ball, r=[0.1, 0.2], out="folder")
