@@ -28,6 +28,11 @@ class Assembly:
         self.contacts: list[TracedContact] = []
         self.hits: dict[Any, tuple[int, Sym]] = {}  # of a stop with restitution, its event's number and the size of its impulse
 
+    @property
+    def known_forces(self) -> dict[int, Any]:
+        """Forces of laws with inner states, which follow from the states whatever rests."""
+        return {i: force for i, force in self.forces.items() if self.m.laws[i].dynamic}
+
     def mode(self, first: Sym) -> tuple[int, Sym]:
         """A new mode, and its number."""
         self.modes.append(self.m.graph.mode(f"mode{len(self.modes)}"))

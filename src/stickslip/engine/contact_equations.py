@@ -110,13 +110,13 @@ def _add_set_valued(parts: Assembly, i: int, speed: Sym | None) -> None:
     slides = parts.slip(i)
     for side in (1.0, -1.0):
         graph.assumed[slides.number] = side
-        sliding.append(m.accelerations({i: law.sliding(slides, load)})[j])
+        sliding.append(m.accelerations({**parts.known_forces, i: law.sliding(slides, load)})[j])
     backward, forward = law.breakaway(load)
     owned = m.owner[j] == i
     still = zero if owned else -(slip - m.y[j])
     held = zero if owned else graph.derivative(still, m.t)  # acceleration of the body while it rests on what it rubs on
-    push = m.accelerations({i: forward}, {j: still})[j] - held  # > 0: breaks away forwards
-    pull = -(m.accelerations({i: backward}, {j: still})[j] - held)
+    push = m.accelerations({**parts.known_forces, i: forward}, {j: still})[j] - held  # > 0: breaks away forwards
+    pull = -(m.accelerations({**parts.known_forces, i: backward}, {j: still})[j] - held)
     graph.assumed.clear()
 
     holds = any(m.lift(limit) is not zero for limit in (backward, forward))  # else a slip that falls to zero goes on to the other side
@@ -148,10 +148,11 @@ def _add_set_valued(parts: Assembly, i: int, speed: Sym | None) -> None:
 def add_contacts(parts: Assembly, speeds: list[Sym | None]) -> None:
     """All contacts of a machine; those under laws that rest exactly in groups of which each decides for itself, a mode for each contact."""
     m = parts.m
+    both = len({law.dynamic for law in m.laws}) > 1
     for i, law in enumerate(m.laws):
-        if not law.dynamic:
+        if not law.dynamic or both:  # so that contacts and modes have the same numbers; under laws with inner states it is not used
             parts.mode(m.graph.constant(0.0))
-        else:
+        if law.dynamic:
             parts.memories[i] = [parts.mode(m.graph.constant(0.0)) for _ in range(law.modes)]
     pressed_stops(parts)
     for i in sorted(range(len(m.laws)), key=lambda i: m.laws[i].needs_applied):  # those that ask what is left to bear, last

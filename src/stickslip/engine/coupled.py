@@ -128,7 +128,7 @@ def add_feet(parts: Assembly, every: list[int], speeds: list[Sym | None]) -> Non
     j = next(k for k, g in enumerate(m.directions[every[0]]) if g)
     held = {i: -m.graph.derivative(m.slips[i], m.t) for i in every}
     alike = {i: [k for k in every if m.slips[k] is m.slips[i]] for i in every}
-    feet = Feet(parts, lambda forces: m.accelerations(forces)[j], held, alike)
+    feet = Feet(parts, lambda forces: m.accelerations({**parts.known_forces, **forces})[j], held, alike)
     sliding, motion = feet.motion(feet.modes)
     forwards, backwards = feet.breaks()
     for i in feet.feet:
@@ -185,7 +185,7 @@ def _box_of(parts: Assembly, group: list[int]) -> Box:
         for i in group
         for k in group
     }
-    accelerations = m.accelerations({})
+    accelerations = m.accelerations(parts.known_forces)
     free = {
         i: _total([*(g * a for g, a in zip(m.directions[i], accelerations, strict=True) if g), graph.derivative(m.slips[i], m.t)])
         for i in group

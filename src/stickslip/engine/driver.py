@@ -31,7 +31,7 @@ _LOOKS = tuple(f"{name} = {i}" for i, name in enumerate(LOOKS))
 #: The first entries of a table: numbers of things, places of a case's constants, places of a lane's fields (-1: there is none).
 _COLUMNS = (
     "LANES", "STATES", "GUARDS", "SIGNS", "FIELDS", "CONSTANTS", "DEGREE", "MODES", "KEPT_MODES", "CLOCKS", "IMPULSES", "BREAKS", "FLAGS",
-    "SET_VALUED", "OFFERED", "CYCLIC", "PERIOD", "FREE", "BREAK_AT", "F_C", "F_Y", "F_SIGN", "F_B", "F_ON", "F_M", "F_K",
+    "SET_VALUED", "SERIES", "OFFERED", "CYCLIC", "PERIOD", "FREE", "BREAK_AT", "F_C", "F_Y", "F_SIGN", "F_B", "F_ON", "F_M", "F_K",
     "F_MODE", "F_CLK", "F_G", "F_HELD", "F_T", "F_H", "F_TEND", "F_X", "F_LE", "F_LH", "F_GROW", "F_STAT", "F_NACC", "F_NREJ", "F_RATIO",
     "F_ACC", "F_T0", "F_HH", "F_X0", "F_SIDE", "F_LAST", "F_TOP", "WATCHED", "EXPONENTS", "F_CLEAR", "COORDINATES", "CONTACTS", "SHARES",
     "SHARE_AT", "PASSIVE", "CARRIED", "DELAY_AT", "ORDERED", "SIGNALS", "RATIOS", "BODIES", "ARMS", "PLACES", "F_FIRED", "LOOKED",
@@ -52,7 +52,7 @@ def table(module: Any, layout: dict[str, int], scale_at: tuple[int, ...], lists:
     import numpy as np
 
     where = {name: _address(getattr(module, name, None)) for name in FUNCTIONS}
-    if layout["SET_VALUED"]:
+    if layout["SERIES"]:
         where["land"] = _address(_landing(layout["LANES"]).land)
     for name in [name for name, needed in (("parts", layout["SIGNALS"]), ("changes", layout["CARRIED"])) if needed]:
         where |= {function: _address(getattr(_apart(name), function)) for function in _APART[name][0]}

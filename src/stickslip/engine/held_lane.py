@@ -61,7 +61,8 @@ class Side:
         first = {name: int(kernel.table[driver.column(name)]) for name in ("F_T", "F_X", "F_Y", "F_MODE", "F_B")}
         self.states = self.S[first["F_Y"] : first["F_Y"] + kernel.states]
         self.memory = self.S[first["F_MODE"] : first["F_MODE"] + kernel.modes]
-        sides = [first["F_B"] + guard for guard in kernel.guards] or [first["F_MODE"] + i for i in range(kernel.contacts)]
+        guards = kernel.guards or (None,) * kernel.contacts
+        sides = [first["F_MODE"] + i if guard is None else first["F_B"] + guard for i, guard in enumerate(guards)]
         self._time, self._way, self._sides = first["F_T"], first["F_X"], np.array(sides, dtype=np.int64)
 
     @property

@@ -68,7 +68,7 @@ class Kernel:
     signals: dict[str, int]  # what is noted of the last motion period, by name, and its number
     arms: bool  # whether a body moves otherwise than its coordinate
     held: int  # flags, modes and clocks that a step holds
-    guards: tuple[int, ...]  # of each contact of a dynamic law the guard whose flag is the side of its slip
+    guards: tuple[int | None, ...]  # of each contact of a dynamic law the guard whose flag is the side of its slip
     shifting: frozenset[str]  # numbers that change what states are counted from: velocities that are taken off, or the period
 
 
@@ -178,7 +178,7 @@ def kernel(eq: System, tableau: Tableau | Series | None, label: str, record: boo
         {name: i for i, signal in enumerate(eq.signals) for name in signal.names},
         has_arms(eq),
         eq.signs + len(eq.modes) + len(eq.clocks),
-        tuple(c.guard for c in eq.contacts if c.guard is not None) if eq.dynamic else (),
+        tuple(c.guard if c.branches is None else None for c in eq.contacts),
         frozenset(node.name for node in needed_by([*eq.offsets, eq.period]) if node.op == "case"),
     )
 
@@ -276,7 +276,8 @@ def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[i
     named = {
         "LANES": lanes, "STATES": eq.states, "GUARDS": len(eq.guards), "SIGNS": eq.signs, "FIELDS": len(offsets) + constants,
         "CONSTANTS": constants, "DEGREE": step.degree, "PERIOD": first, "FREE": first + 2, "MASS": first + 3,
-        "SET_VALUED": int(not eq.dynamic), "OFFERED": int(eq.offered is not None), "CYCLIC": int(eq.cyclic), "MODES": len(eq.modes),
+        "SET_VALUED": int(not eq.dynamic), "SERIES": int(not eq.stiff), "OFFERED": int(eq.offered is not None),
+        "CYCLIC": int(eq.cyclic), "MODES": len(eq.modes),
         "KEPT_MODES": eq.memories, "CLOCKS": len(eq.clocks), "IMPULSES": len(eq.impulses), "BREAKS": breaks,
         "BREAK_AT": constants - len(eq.impulses) * eq.coordinates - breaks,
         "COORDINATES": eq.coordinates, "CONTACTS": eq.sides, "SHARES": len(eq.shares),
@@ -315,7 +316,7 @@ def _source(eq: System, step: Step, lanes: int, label: str) -> str:
     group = lanes if len(eq.contacts) == 1 else width  # several contacts hide each other's latency, in half the text
     known = f"L = {lanes}\n"
     functions = {"prelude": prelude(eq, _constants(eq, step)), "look": looks(eq), "work": work(eq, step.degree)}
-    if not eq.dynamic:
+    if not eq.stiff:
         functions["switched"] = taylor.switches(eq, step, lanes)
         functions["sizes"] = sizes_text(eq, step, lanes, [taylor.slips_of(eq, eq.guards[k]) for k in taylor.watched(eq)])
         functions |= {"slopes": slopes(eq, step, lanes)} if hides(eq) else {}

@@ -74,13 +74,13 @@ def _of_stops(parts: Assembly, first_event: int) -> list[Signal]:
 def ratios_of(parts: Assembly, scale: Sym) -> tuple[Sym, ...]:
     """Of each contact under a law with inner states the elastic part of its friction over that in steady sliding, on the side held."""
     m = parts.m
-    return tuple(_ratio(parts, i, scale) for i, law in enumerate(m.laws) if law.dynamic)
+    return tuple(_ratio(parts, i, scale) for i in range(len(m.laws))) if any(law.dynamic for law in m.laws) else ()
 
 
 def _ratio(parts: Assembly, i: int, scale: Sym) -> Sym:
     m, contact = parts.m, parts.contacts[i]
     law, graph, side = m.laws[i], m.graph, m.graph.sign(m.slips[i])
-    if not contact.inner:
+    if not law.dynamic or not contact.inner:
         return graph.constant(1.0)
     least = _LEAST_SLIP * scale
     slip = graph.select(side * m.slips[i] - least, m.slips[i], side * least)

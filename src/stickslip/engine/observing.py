@@ -123,7 +123,9 @@ def _friction(parts: Assembly, i: int) -> Sym:
     forwards, backwards = sliding_both_ways(parts, i)
     j = next(k for k, g in enumerate(m.directions[i]) if g)
     held = m.graph.derivative(m.slips[i] - m.y[j], m.t)
-    free, braked = (m.accelerations({i: force})[j] for force in (0.0, 1.0))  # a closed stop makes the mass that a contact holds larger
+    free, braked = (
+        m.accelerations({**parts.known_forces, i: force})[j] for force in (0.0, 1.0)
+    )  # a closed stop makes the mass that a contact holds larger
     holding = (free + held) / (free - braked) if m.pressed else m.lift(m.equations.masses[j]) * (free + held)
     return touching(parts, i, m.graph.by_side(parts.modes[i], forwards, backwards, holding))
 

@@ -47,9 +47,9 @@ def refusal_of(machine: MachineAdapter) -> str:
     if not _apart(m.stops):
         return f"several of its stops can be hit at one instant; {other}, or give the stops a stiffness"
     dynamic = [law.dynamic for law in m.laws]
-    if any(dynamic) and not all(dynamic):
-        return f"some of its laws rest exactly and others have inner states; {other}"
-    for group in [] if any(dynamic) else groups_of(m.directions, list(range(len(dynamic)))):
+    if any(dynamic) and not all(dynamic) and (beside := _alone_only(machine)):
+        return f"some of its laws rest exactly and others have inner states, and {beside}; {other}"
+    for group in groups_of(m.directions, [i for i, inner in enumerate(dynamic) if not inner]):
         rows = [m.directions[i] for i in group]
         alike = len(set(rows)) == 1 and sum(map(abs, rows[0])) == 1.0
         if not alike and (len(group) > MOST or np.linalg.matrix_rank(np.array(rows)) < len(group)):
@@ -61,6 +61,18 @@ def refusal_of(machine: MachineAdapter) -> str:
     if not machine.is_single and m.jumps and any(law.switching for law in m.laws):
         return f"its velocities jump and a law remembers; {other}"
     return ""
+
+
+def _alone_only(machine: MachineAdapter) -> str:
+    """What a machine has that is not compiled where its laws are of both sorts, in words; "" if nothing."""
+    laws = machine.laws
+    if machine.mechanics.stops:
+        return "it has a stop with restitution"
+    if any(law.modes or law.switching for law in laws):
+        return "one of them remembers"
+    if any(law.needs_applied for law in laws):
+        return "one of them asks for the force that would hold its contact"
+    return "a contact flies" if any(law.flies for law in laws) else ""
 
 
 def groups_of(directions: tuple[tuple[float, ...], ...], which: list[int]) -> list[list[int]]:

@@ -360,7 +360,7 @@ class _StepWriter(EventWriter):
         w.line("_t0", "1.0 * _t")
         if self.record:
             kept = [(f"held{i}", f"_{s.name}") for i, s in enumerate(self.eq.modes)]
-            held = [(name, f"_b{c.guard}") for name, c in zip(sides(self.eq), self.eq.contacts, strict=True)]
+            held = [(name, self._side(c)) for name, c in zip(sides(self.eq), self.eq.contacts, strict=True)]
             for name, value in (("x0", "_x"), *held, *kept):
                 w.line(f"_{name}", f"1.0 * {value}")
         for i in range(self.n):
@@ -393,6 +393,10 @@ class _StepWriter(EventWriter):
         w.line("_stat", f"1.0 if _fin else (({Status.NOT_A_NUMBER}.0 if ({nan}) else _end) if _bad else _stat)")
         w.line("_stat", "_code if _code > 0.5 else _stat")
         w.line("_stat", f"{Status.BUDGET}.0 if (_nacc + _nrej > budget and _stat < 0.5) else _stat")
+
+    def _side(self, contact: TracedContact) -> str:
+        """What holds the side of a contact: a flag, or its mode if it may rest."""
+        return f"_b{contact.guard}" if contact.branches is None else f"_{self.eq.modes[contact.modes[0]].name}"
 
     def _switch(self) -> None:
         """The effect of a guard's zero on modes and states, besides the flip of its flag."""

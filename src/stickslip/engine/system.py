@@ -127,6 +127,11 @@ class System:
         return bool(self.contacts) and all(contact.branches is None for contact in self.contacts)
 
     @property
+    def stiff(self) -> bool:
+        """Whether some laws have a rate and a force, so that it is solved to a tolerance; others may rest exactly."""
+        return any(contact.branches is None for contact in self.contacts)
+
+    @property
     def sides(self) -> int:
         """How many modes are kept with each piece of the motion: of each contact one."""
         return len(self.contacts) or self.labels

@@ -259,7 +259,7 @@ def _rows(system: System) -> tuple[list[Sym], list[Sym]]:
 
 def _switching(system: System) -> list[int]:
     """The guards at which something changes and the run goes on."""
-    watching = range(len(system.guards)) if system.dynamic else watched(system)
+    watching = range(len(system.guards)) if system.stiff else watched(system)
     return [k for k in watching if k not in system.switches or not system.switches[k].status]
 
 
@@ -319,7 +319,7 @@ def _later(system: System, guard: Sym, falls: Sym, moved: Sym, late: Sym) -> Sym
 
 def _follows(system: System, guard: Sym, falls: Sym) -> Sym:
     """Positive where a guard is too far from zero to have fallen there by itself."""
-    near = _SAME_INSTANT_WITHIN_TOLERANCE if system.dynamic else _SAME_INSTANT
+    near = _SAME_INSTANT_WITHIN_TOLERANCE if system.stiff else _SAME_INSTANT
     return _size(guard) - near * (system.period * _size(falls))
 
 

@@ -55,7 +55,7 @@ def advance_to(S, calls, W, D):
             return THERE
         S[D[F_TEND] + lane] = GOAL[GOAL_TIME] if cut else known
         call_step(D[AT_STEP], S, rtol, steps)
-        if D[SET_VALUED] == 1:
+        if D[SERIES] == 1:
             call_land(D[AT_LAND], S, steps, D)
         S[D[F_TEND] + lane] = known
         if is_piece(S, D):

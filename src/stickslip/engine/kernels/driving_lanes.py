@@ -297,7 +297,7 @@ def next_case(lane, S, W, D):
 def is_piece(S, D):
     """Whether the last step took some time, or switched at one instant what is kept with a piece."""
     piece = S[D[F_T]] != S[D[F_T0]]
-    if D[SET_VALUED] == 1:
+    if D[SERIES] == 1:
         for i in range(D[CONTACTS]):
             piece = piece or S[D[F_SIDE] + i] != S[D[F_MODE] + i]
     return piece
@@ -462,7 +462,7 @@ def advance(S, calls, W, D):
         if pieces_wanted and JOB[WRITTEN] >= PIECES.shape[0]:
             return active
         call_step(D[AT_STEP], S, rtol, steps)
-        if D[SET_VALUED] == 1:
+        if D[SERIES] == 1:
             call_land(D[AT_LAND], S, steps, D)
         if pieces_wanted and is_piece(S, D):
             keep_piece(S, W, D)
