@@ -113,6 +113,28 @@ def test_what_a_contact_does_at_the_start_the_state_says(belt, stack):
     assert mode_of_state(stack, [0.0] * 4) == "top+ ground+"
 
 
+def test_cycles_and_columns_of_contacts_are_those_of_the_machine(belt):
+    """At rest the belt carries the block: the friction force is that of the spring."""
+    bench = ss.BlockOnBelt(mass=1.0, stiffness=4.0, speed=0.1, friction=belt.contacts["belt"].friction, load=9.81)
+    orbit, own = ss.periodic_orbit(belt), ss.periodic_orbit(bench)
+    assert orbit.duration == pytest.approx(own.duration, rel=1e-11) and abs(orbit.multipliers[0]) < 1e-12
+    run = ss.solve(belt, start={"x": 0.1}, duration=20.0)
+    contact = run.contacts["belt"]
+    rests = contact.mode == 0
+    assert 0.5 < rests.mean() < 1.0 and (contact.mode[~rests] == -1).all()
+    assert contact.slip == pytest.approx(run["v"] - 0.1, abs=1e-15) and (contact.load == 9.81).all()
+    assert contact.friction_force[rests] == pytest.approx(-4.0 * run["x"][rests], abs=1e-13)
+    sliding = -9.81 * (0.2 + 0.1 * np.exp(-abs(contact.slip) / 0.1))
+    assert contact.friction_force[~rests] == pytest.approx(sliding[~rests], abs=1e-12)
+    assert run.to_xarray().friction_force_belt.values.tolist() == contact.friction_force.tolist()
+
+
+def test_starts_of_maps_leave_the_mode_to_the_state(belt):
+    """Every start goes to the one cycle, also those that a mode of the first start would hold at a slip."""
+    basins = ss.basins(belt, x=[-1.0, 0.2, 1.0], v=[-1.0, 0.1, 1.0])
+    assert [(a.period, a.share) for a in basins.attractors] == [(1, 1.0)]
+
+
 def test_contacts_follow_switches_of_the_user():
     """A block that slides to a wall, is thrown back with half its velocity, and comes to rest."""
     wall = ss.Switch(lambda t, y: 1.0 - y[0], 0, lambda t, y: (1.0, -0.5 * y[1]))

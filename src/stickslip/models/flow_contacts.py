@@ -15,6 +15,9 @@ from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
+
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import Problems, SolveError
 from stickslip.basics.fields import checked_number
 from stickslip.basics.forward_ad import Nested, without_slopes
@@ -146,6 +149,51 @@ def mode_labels(fields: Mapping[Any, Any], resting: Sequence[str]) -> dict[Any, 
             does = " ".join(f"{name}{SIGNS[side]}" for name, side in zip(resting, sides, strict=True))
             labels[does if len(fields) == 1 else f"{mode}: {does}"] = (mode, sides)
     return labels
+
+
+@dataclass(frozen=True, eq=False)
+class ContactColumns:
+    """What a contact does at the instants of a run.
+
+    Parameters
+    ----------
+    slip, load, friction_force : array (time,)
+        Slip velocity, normal force, and friction force, which is positive against forward slip.
+    mode : array (time,)
+        +1 where it slides forwards, 0 at rest, -1 backwards; under a law with inner states the sign of its slip.
+    """
+
+    slip: Array
+    load: Array
+    friction_force: Array
+    mode: Array
+
+
+def contact_columns(flow: Any, t: Array, y: Array, modes: Array) -> dict[str, ContactColumns]:
+    """What each contact does at instants (time,) with states (time, state), in modes by their places among the flow's.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import stickslip as ss
+    >>> belt = FlowContact(slip=lambda t, y: y[1] - 0.1, friction=ss.Coulomb(mu_plus=0.2, mu_minus=0.2), load=9.81)
+    >>> flow = ss.SwitchingFlow(lambda t, y, R: (y[1], -4.0 * y[0] - R.belt), contacts={"belt": belt})
+    >>> belt = contact_columns(flow, np.zeros(2), np.array([[0.0, 0.0], [0.2, 0.1]]), np.array([0, 1]))["belt"]
+    >>> belt.friction_force.round(3).tolist(), belt.mode.tolist()
+    ([-1.962, -0.8], [-1, 0])
+    """
+    forces, labels = ContactForces(flow.plain), list(flow.labels.values())
+    columns = {name: [np.full(len(t), np.nan) for _ in range(4)] for name in flow.contacts}
+    for place in np.unique(modes):
+        at, (base, sides) = modes == place, labels[place]
+        states = list(y[at].T)
+        slips, loads, R = forces.slips(t[at], states), forces.loads(t[at], states), forces.forces(base, sides, t[at], states)
+        known = dict(zip(forces.resting, sides, strict=True))
+        for name, own in columns.items():
+            side = known[name] if name in known else np.sign(slips[name])
+            for column, values in zip(own, (slips[name], loads[name], R[name], side), strict=True):
+                column[at] = values
+    return {name: ContactColumns(slip, load, R, side.astype(int)) for name, (slip, load, R, side) in columns.items()}
 
 
 class ContactForces:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -16,10 +17,12 @@ from stickslip.basics.errors import InputError, as_path, did_you_mean
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.notebook_display import Drawn
 from stickslip.basics.status import INTERRUPTED
+from stickslip.models.flow_contacts import ContactColumns, contact_columns
 from stickslip.results.datasets import FileColumns
 from stickslip.results.run_files import RunFiles
 from stickslip.results.storage import FORMAT, NETCDF, save_columns, save_datasets
 
+_OF_A_CONTACT = ("slip", "load", "friction_force")  # columns of files, with the contact's name behind
 _LOOKS = 33  # samples of a polynomial on one step, from which its extremes are refined
 _FREE = 10  # instants of a run without a period, in units of `samples`
 
@@ -125,6 +128,12 @@ class FlowRun(RunFiles, Drawn):
         """The mode at the times of the columns."""
         return self._labels(self._instants[1])
 
+    @cached_property
+    def contacts(self) -> Mapping[str, ContactColumns]:
+        """Slip, load, friction force and mode of each contact at the times of the columns, by its name."""
+        t, index = self._instants
+        return contact_columns(self.model, t, self.y, self.modes[index])
+
     def __getitem__(self, name: str) -> Array:
         if name not in self.names:
             raise InputError("FlowRun", [f"{name!r} is not a state of the flow; {did_you_mean(str(name), self.names)}"])
@@ -226,6 +235,7 @@ class FlowRun(RunFiles, Drawn):
         import xarray as xr
 
         columns: dict[str, Any] = {name: ("time", self.y[:, i]) for i, name in enumerate(self.names)}
+        columns |= {f"{what}_{name}": ("time", getattr(c, what)) for name, c in self.contacts.items() for what in _OF_A_CONTACT}
         columns["mode"] = ("time", np.array([str(mode) for mode in self.mode_at]) if self.mode_at.dtype == object else self.mode_at)
         numbers = {name: float(value) for name, value in self.model.numbers.items()}
         return xr.Dataset(columns, {"time": self.t}, {"method": self.method, "status": self.status, **numbers})

@@ -15,7 +15,7 @@ from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates
 from stickslip.models.state_layout import of_one_contact
 from stickslip.models.switching_flow import is_flow, knows_mode, unknown_mode
 from stickslip.solvers.flow_solving import starts_of
-from stickslip.solvers.plain.composed_flows import mode_of_state
+from stickslip.solvers.plain.composed_flows import mode_of_state, mode_of_strobe_state
 from stickslip.solvers.request import LARGEST_START
 
 
@@ -47,8 +47,8 @@ def _flow_state(start: Any, flow: Any, at: Coordinates) -> Array:
         mode, start = start["mode"], {name: value for name, value in start.items() if name != "mode"}
         if not knows_mode(flow.start_modes, mode):
             problems.add(f"mode: {unknown_mode(mode, flow.start_modes)}")
-    elif np.shape(start) == (len(at.names),) and start[-1] in range(len(flow.modes)):
-        mode, start = list(flow.modes)[int(start[-1])], start[:-1]
+    elif np.shape(start) == (len(at.names),) and start[-1] in range(-len(flow.fields) if flow.contacts else 0, len(flow.modes)):
+        mode, start = mode_of_strobe_state(flow, np.asarray(start, float)), start[:-1]
     state = starts_of(flow, start, Labels(()), problems)[0]
     problems.check()
     return np.append(state, list(flow.modes).index(mode_of_state(flow, state, mode=mode)))
