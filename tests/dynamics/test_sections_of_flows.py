@@ -45,6 +45,14 @@ def cycle() -> tuple[float, float, float]:
     return T, v, (after - before) / 2e-5
 
 
+def _fastest(v: float) -> float:
+    """The largest velocity on the way to the stop."""
+    field = lambda t, y: (y[1], MU * (1 - y[0] ** 2) * y[1] - y[0])  # noqa: E731
+    T, _ = _to_the_stop([GAP, v])
+    run = solve_ivp(field, (0.0, T), [GAP, v], rtol=1e-12, atol=1e-13, method="DOP853", dense_output=True)
+    return float(run.sol(np.linspace(0.0, T, 20001))[1].max())
+
+
 def test_the_cycle_of_a_run_is_that_of_scipy():
     T, v, multiplier = cycle()
     orbit = ss.periodic_orbit(POL)
@@ -206,3 +214,20 @@ def test_an_atlas_names_cycles_by_their_modes():
         HUNT, over={"k": [5.0, 6.0], "effort": [0.1, 0.35]}, starts={"prey": [1.0], "predator": [0.5]}, settle=20, branches=0, refine=0
     )
     assert "modes hunted slides" in plane.at(k=6.0, effort=0.35) and "modes free hunted" in plane.at(k=6.0, effort=0.1)
+
+
+def test_the_motion_of_a_run_is_that_of_its_cycle():
+    T, v, _ = cycle()
+    m = ss.motion(ss.solve(POL, start={"x": 0.5}, duration=200.0))
+    assert (m.type, m.period, m.pattern, m.settled) == ("periodic", 1, (0,), True) and m.duration == pytest.approx(T, rel=1e-9)
+    assert m.ranges["x"][1] == pytest.approx(GAP, abs=1e-12) and m.ranges["v"][1] == pytest.approx(_fastest(v), rel=1e-6)
+    slid = ss.motion(ss.solve(HUNT, start={"prey": 1.0, "predator": 0.5}, duration=300.0))
+    assert set(slid.pattern) == set(slid.modes) == {"hunted", "slides"} and slid.duration == pytest.approx(_hunted_cycle(), rel=1e-6)
+    assert slid.ranges["predator"][0] == pytest.approx(LIMIT, abs=1e-12) and sum(slid.modes.values()) == pytest.approx(1.0)
+
+
+def test_the_motion_of_a_run_that_rests_is_steady_and_one_that_still_swings_is_not_settled():
+    damped = ss.SwitchingFlow({0: lambda t, y: (y[1], -0.1 * y[1] - y[0])}, states=("x", "v"))
+    early, late = (ss.motion(ss.solve(damped, start={"x": 1.0, "v": 0.0}, duration=T)) for T in (60.0, 4000.0))
+    assert early.type == "not settled" and early.change > 1e-3 and np.isnan(early.duration)
+    assert late.type == "steady" and late.period is None

@@ -6,10 +6,11 @@ import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from stickslip.analysis.flow_motion import flow_motion
 from stickslip.analysis.oscillation import DWELL, SLIP_RATIO, Oscillation, oscillation
 from stickslip.analysis.run_segments import Segments, WatchedContact, pieces_within, raw_segments, watched_contacts
 from stickslip.analysis.steady import is_run, needs_run, of_a_record, period_number
@@ -23,13 +24,11 @@ from stickslip.models.friction.law_adapter import adapted, law_of
 from stickslip.models.machine_adapter import machine_of
 from stickslip.records.motion_type import motion as measured_motion
 from stickslip.records.record import Record
+from stickslip.results.flow_run import FlowRun
 from stickslip.results.segments import intervals_of, type_of
 from stickslip.results.summary import Summary
 from stickslip.results.trajectory import Trajectory
 from stickslip.results.verbs import OfOneRun
-
-if TYPE_CHECKING:
-    from stickslip.results.flow_run import FlowRun
 
 _FEW = 4  # contacts whose patterns a printed run names
 _FAST, _KINETIC = 1e3, 1e-6  # a speed [m/s] beyond all that fades, and how near friction over load must be to the coefficient there
@@ -178,7 +177,7 @@ class Motions(Drawn):
 
 @explains_arguments
 def motion(
-    run: Trajectory | Record | OfOneRun,
+    run: Trajectory | FlowRun | Record | OfOneRun,
     slip_ratio: float = SLIP_RATIO,
     dwell: float = DWELL,
     frequency: float | None = None,
@@ -192,7 +191,7 @@ def motion(
 
     Parameters
     ----------
-    run : Trajectory, periodic orbit or Record
+    run : Trajectory, FlowRun, periodic orbit or Record
         A batch has the same results in its columns (`many.motion_type`).
     slip_ratio : float
         Between 0 and 1.
@@ -203,7 +202,8 @@ def motion(
 
     Returns
     -------
-    Motion, or Motions of a machine that lists its contacts; Oscillation of a machine without a period; MeasuredMotion of a Record
+    Motion, or Motions of a machine that lists its contacts; Oscillation of a machine without a period; FlowMotion of a flow;
+    MeasuredMotion of a Record
 
     Examples
     --------
@@ -218,6 +218,9 @@ def motion(
     of_a_record("motion", run, frequency=frequency, threshold=threshold)
     if isinstance(run, OfOneRun):
         return run.motion if (slip_ratio, dwell) == (SLIP_RATIO, DWELL) else motion(run.run, slip_ratio, dwell)
+    if isinstance(run, FlowRun):
+        of_flow: Any = flow_motion(run)
+        return of_flow
     _check(run, slip_ratio, dwell)
     if isinstance(run, Trajectory) and run.model.period is None:
         is_run("motion", run)

@@ -143,6 +143,10 @@ class FlowRun(RunFiles, Drawn):
         start = self.nodes[index]
         return polynomials(self.coefficients[index], (t - start) / (self.nodes[index + 1] - start))
 
+    def modes_of(self, pieces: Array) -> list[Any]:
+        """The modes of some steps of the run, by their names."""
+        return list(self._labels(pieces).tolist())
+
     def _labels(self, index: Array) -> Array:
         known = list(self.model.modes)
         labels = np.empty(len(known), object)

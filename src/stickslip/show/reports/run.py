@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
+from stickslip.analysis.steady import is_run
 from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import field_description, leaves
@@ -51,6 +52,7 @@ def run_page(run: Trajectory, title: str, command: str = "", dimensionless: bool
     >>> "<h1>The rig on 1.7 degrees</h1>" in text, "https:" in text.split("<main")[0]
     (True, False)
     """
+    is_run("run_page", run)
     is_robot = machine_of(run.model).drive is not None
     return page(
         "run.html",
