@@ -1,11 +1,15 @@
 """A machine that goes on step by step is where `solve` is, whatever the steps, and goes on from a jump of an input as from any event."""
 
+import json
+import math
+import signal
 from dataclasses import dataclass
 
 import numpy as np
+import pytest
 
 import stickslip as ss
-from every import every_machine
+from every import SHAKEN, every_machine
 from rows import each_row
 from stickslip.basics.fields import leaves
 from stickslip.maths import where, within
@@ -145,7 +149,7 @@ def test_within_a_period_it_goes_on_from_a_jump_as_the_judge_does(name):
     force = next(iter(force_names(machine)))
     later = LaterBody(machine, 0.1, instant) if single else LaterParts(machine, (0.1, 0.0), instant)
     span = {"periods": 1} if machine.period is not None else {"duration": 6.0}
-    judge = ss.solve(later, **span, method="radau" if name == "LuGre" else "dop853", rtol=1e-10)
+    judge = ss.solve(later, **span, method="radau" if name == "LuGre" else "dop853", rtol=1e-9)
     sim = ss.simulation(machine, rtol=RTOL)
     sim.step(instant)
     worst = missed(judge, sim)
@@ -153,3 +157,161 @@ def test_within_a_period_it_goes_on_from_a_jump_as_the_judge_does(name):
         sim.step(until=instant + more, inputs={force: 0.1})
         worst = max(worst, missed(judge, sim))
     assert worst < 1e-7  # of the judge, whose tolerance is held within a step
+
+
+# ---- back, and later ----
+def stepped(sim, T, jump):
+    """Some steps, one of them with a jump: the states at their ends."""
+    return [str(sim.step(share * T, inputs=jump if k == 2 else None)) for k, share in enumerate((0.31, 0.07, 0.4, 1.3))]
+
+
+@each_row("name", ["Robot", "Chain, LuGre", "a SwitchingFlow", "Joint", "a machine without contacts"])
+def test_what_follows_a_snapshot_or_a_file_is_the_same_to_the_last_bit(name, tmp_path):
+    machine = every_machine[name][0]
+    jump, _ = jump_of(name, machine)
+    sim, T = ss.simulation(machine), machine.period
+    sim.step(0.613 * T, inputs=jump)
+    before, path = sim.snapshot(), sim.save(tmp_path / "sim.json")
+    inputs, first = sim.inputs, stepped(sim, T, {next(iter(jump)): 0.2})
+    sim.restore(before)
+    assert (sim.t, sim.inputs) == (before.t, inputs) and stepped(sim, T, {next(iter(jump)): 0.2}) == first
+    loaded = ss.Simulation.load(path, machine=None if name in ("Robot", "Joint", "Chain, LuGre") else machine)
+    assert (loaded.t, loaded.inputs) == (before.t, inputs) and stepped(loaded, T, {next(iter(jump)): 0.2}) == first
+
+
+def test_a_file_of_another_version_goes_on_from_its_state(tmp_path):
+    machine = every_machine["Chain, set-valued laws"][0]
+    sim = ss.simulation(machine)
+    sim.step(0.7 * machine.period, inputs={"force on module 1": 0.05})
+    table = json.loads(sim.save(tmp_path / "sim.json").read_text())
+    (tmp_path / "other.json").write_text(json.dumps(table | {"kernel": "another", "lane": []}))
+    loaded = ss.Simulation.load(tmp_path / "other.json")
+    for _ in range(5):
+        there, here = loaded.step(0.4 * machine.period), sim.step(0.4 * machine.period)
+    assert np.allclose(there["v"], here["v"], rtol=0.0, atol=1e-12) and loaded.t == sim.t
+
+
+def test_a_file_that_is_none_or_damaged_or_of_another_machine_is_refused(tmp_path):
+    path = ss.simulation(SHAKEN).save(tmp_path / "sim.json")
+    table = json.loads(path.read_text())
+    flow = ss.simulation(BALL, {"height": 1.0, "v": 0.0}).save(tmp_path / "ball.json")
+    damage = {"time": -1.0, "periods": -5, "span": "long", "lane": table["lane"][1:], "state": [0.0], "t": None, "asked": {}, "numbers": {}}
+    texts = [
+        "",
+        "[]",
+        "{",
+        "[" * 100_000,
+        json.dumps({"stickslip_simulation": 99}),
+        *(json.dumps(table | {k: v}) for k, v in damage.items()),
+    ]
+    for text in texts:
+        (tmp_path / "bad.json").write_text(text)
+        with pytest.raises(ss.InputError, match=r"load: .*bad\.json' (is damaged|holds no simulation|has format 99)"):
+            ss.Simulation.load(tmp_path / "bad.json")
+    with pytest.raises(ss.InputError, match=r"body_mass = 0\.1 in the machine given, and 0\.06259 in"):
+        ss.Simulation.load(path, machine=SHAKEN.replace(body_mass=0.1))
+    with pytest.raises(ss.InputError, match="holds a simulation of a Robot, and the machine given is a Joint"):
+        ss.Simulation.load(path, machine=ARM)
+    with pytest.raises(ss.InputError, match="holds a simulation of a SwitchingFlow, which no file can hold; type"):
+        ss.Simulation.load(flow)
+    with pytest.raises(ss.InputError, match=r"ends in '\.nc'; allowed is \.json"):
+        ss.simulation(SHAKEN).save(tmp_path / "sim.nc")
+
+
+# ---- what happens on the way ----
+@each_row("name", ["PulledMass", "MovingTrack", "a machine without contacts", "a SwitchingFlow"])
+def test_a_step_that_stops_at_events_stops_at_each_of_them(name):
+    machine, start = every_machine[name][0], {"x": 1.0, "v": 0.0} if name == "a SwitchingFlow" else None
+    run, sim, end = run_of(machine, start), ss.simulation(machine, start), length_of(machine)
+    met = []
+    while sim.t < end * (1 - 1e-12):
+        sim.step(until=end, stop_at_events=True)
+        assert not sim.events or abs(sim.events[-1].t - sim.t) < 1e-12 * end
+        met += [event.t for event in sim.events]
+    assert len(met) > 1 and np.allclose(met, [event.t for event in run.events], rtol=0.0, atol=1e-12 * end)
+
+
+def test_a_contact_that_an_input_tears_off_slips_from_that_instant():
+    sim = ss.simulation(ARM)
+    sim.step(0.25, inputs={"torque on joint": 0.0299})
+    assert sim.state["mode"] == 0 and not sim.events
+    state = sim.step(0.5, inputs={"torque on joint": 0.05})
+    assert [(event.t, event.kind) for event in sim.events] == [(0.25, "slip")]
+    assert np.isclose(state["v"], 0.5 * (0.05 - 0.02) / 0.01, rtol=1e-14, atol=0.0) and np.isclose(sim.columns["friction_force"], 0.02)
+
+
+def test_recorded_stretches_are_runs_with_the_forces_of_their_inputs():
+    sim = ss.simulation(SHAKEN, record=True)
+    for force in (0.0, 0.0, 0.1):
+        sim.step(0.7 * SHAKEN.period, inputs={"force": force})
+    first, second = sim.trajectories()
+    whole = ss.solve(SHAKEN, periods=2)
+    t = np.linspace(0.0, 1.4 * SHAKEN.period, 30)
+    assert np.allclose(first.at(t)["v"], whole.at(t)["v"], rtol=0.0, atol=1e-13) and second.pieces.t[0] == first.pieces.t[-1]
+    at = second.at(second.pieces.t[-1])
+    assert np.isclose(at["acceleration"], second.model.acceleration(at["t"], at["x"], at["v"], at["friction_force"]))
+
+
+def test_time_that_goes_on_without_a_period_is_that_of_one_long_run():
+    belt = every_machine["BlockOnBelt"][0]
+    run, sim = ss.solve(belt, duration=500.0), ss.simulation(belt)
+    while sim.t < 500.0:
+        sim.step(min(7.3, 500.0 - sim.t))
+    assert missed(run, sim) < 1e-11
+
+
+def test_a_step_that_cannot_be_made_says_so_and_loses_nothing():
+    ball = ss.simulation(BALL, {"height": 1.0, "v": 0.0})
+    state = ball.step(5.0)
+    rest = math.sqrt(2 / 9.81) * (1 + 2 * 0.5 / (1 - 0.5))
+    assert ball.status.startswith("its switches accumulate") and np.isclose(ball.t, rest, rtol=1e-9) and state["height"] < 1e-9
+    vertical = ss.VerticalVibration(ss.Harmonic(amplitude=6e-4, omega=200.0), amplitude=4e-3)
+    lost = ss.simulation(ss.Robot(0.06, 0.01, vertical, ss.Coulomb(0.15, 0.21)))
+    lost.step(1.0)
+    at = lost.t
+    assert lost.status.startswith("contact lost") and lost.events[-1].kind == "contact lost" and 0.0 < at < 1.0
+    assert lost.step(1.0)["t"] == at
+
+
+def test_ctrl_c_within_a_step_leaves_the_state_before_it():
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    sim = ss.simulation(LUGRE)
+    sim.step(1e-3)
+    state, before = str(sim.state), signal.signal(signal.SIGALRM, interrupt)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.05)
+        with pytest.raises(KeyboardInterrupt):
+            sim.step(1e5 * LUGRE.period)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+    fresh = ss.simulation(LUGRE)
+    fresh.step(1e-3)
+    assert str(sim.state) == state and str(sim.step(2e-3)) == str(fresh.step(2e-3))
+
+
+def wrong(make, **given):
+    return lambda: make().step(**given)
+
+
+@each_row(
+    "call, said",
+    [
+        (wrong(lambda: ss.simulation(SHAKEN)), "neither of dt and until is given"),
+        (wrong(lambda: ss.simulation(SHAKEN), dt=1.0, until=2.0), "dt and until are both given"),
+        (wrong(lambda: ss.simulation(SHAKEN), dt=0.0), r"dt = 0\.0; allowed is a positive time"),
+        (wrong(lambda: ss.simulation(SHAKEN), dt=1e-3, inputs={"fource": 1.0}), "there is no input 'fource'; did you mean 'force'"),
+        (wrong(lambda: ss.simulation(SHAKEN), dt=1e-3, inputs={"force": [1.0]}), "allowed is one finite number, constant over the step"),
+        (wrong(lambda: ss.simulation(SHAKEN), dt=1e-3, inputs={"body_mass": -1.0}), "body_mass = -1.0; allowed is a positive mass"),
+        (lambda: ss.simulation(SHAKEN.replace(body_mass=[0.1, 0.2])), "is a batch of shape"),
+        (lambda: ss.simulation(SHAKEN, method="dop853"), "it does not pause between two steps"),
+        (lambda: ss.simulation(SHAKEN, start={"w": 1.0}), "start has no 'w'"),
+        (lambda: ss.simulation(SHAKEN).trajectories(), "nothing is recorded"),
+        (lambda: ss.simulation(SHAKEN).restore(ss.simulation(SHAKEN).snapshot()), "allowed is a snapshot of this simulation"),
+    ],
+)
+def test_what_is_wrong_is_told_in_words(call, said):
+    with pytest.raises(ss.InputError, match=said):
+        call()

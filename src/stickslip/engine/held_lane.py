@@ -44,6 +44,8 @@ class Side:
         As the kernel counts them (see `stickslip.engine.system.System`).
     memory : array (modes,)
         What laws remember, or the mode of a flow.
+    modes : array
+        All that steps hold and switches change.
     row : array (numbers,)
         The numbers of the case.
     whole : array of int
@@ -61,6 +63,8 @@ class Side:
         first = {name: int(kernel.table[driver.column(name)]) for name in ("F_T", "F_X", "F_Y", "F_MODE", "F_B")}
         self.states = self.S[first["F_Y"] : first["F_Y"] + kernel.states]
         self.memory = self.S[first["F_MODE"] : first["F_MODE"] + kernel.modes]
+        count = int(kernel.table[driver.column("MODES")])
+        self.modes = self.S[first["F_MODE"] : first["F_MODE"] + count] if count else self.S[:0]
         guards = kernel.guards or (None,) * kernel.contacts
         sides = [first["F_MODE"] + i if guard is None else first["F_B"] + guard for i, guard in enumerate(guards)]
         self._time, self._way, self._sides = first["F_T"], first["F_X"], np.array(sides, dtype=np.int64)
@@ -88,6 +92,11 @@ class Side:
     def sides(self) -> Array:
         """The mode of each contact: of set-valued laws as it is held, of others the sign of its slip."""
         return self.S[self._sides]  # type: ignore[no-any-return]
+
+    @property
+    def aloft(self) -> Array:
+        """Whether each contact flies."""
+        return np.array([mode >= 0 and self.modes[mode] == 1.0 for mode in self.kernel.flights], dtype=bool)
 
     @property
     def status(self) -> int:

@@ -69,6 +69,7 @@ class Kernel:
     arms: bool  # whether a body moves otherwise than its coordinate
     held: int  # flags, modes and clocks that a step holds
     guards: tuple[int | None, ...]  # of each contact of a dynamic law the guard whose flag is the side of its slip
+    flights: tuple[int, ...]  # of each contact the mode that is 1 in flight; -1 of one that does not fly
     shifting: frozenset[str]  # numbers that change what states are counted from: velocities that are taken off, or the period
 
 
@@ -179,6 +180,7 @@ def kernel(eq: System, tableau: Tableau | Series | None, label: str, record: boo
         has_arms(eq),
         eq.signs + len(eq.modes) + len(eq.clocks),
         tuple(c.guard if c.branches is None else None for c in eq.contacts),
+        tuple(-1 if c.flight is None else c.flight.mode for c in eq.contacts),
         frozenset(node.name for node in needed_by([*eq.offsets, eq.period]) if node.op == "case"),
     )
 

@@ -14,12 +14,13 @@ from stickslip.engine.held_lane import HeldLane, Side
 
 @dataclass(frozen=True)
 class Standing:
-    """Where a case stands at an instant [s]: states with velocities in full, sides of contacts, and memories."""
+    """Where a case stands at an instant [s]: states with velocities in full, sides of contacts, memories, and which contacts fly."""
 
     t: float
     states: Array
     sides: Array
     memory: Array
+    aloft: Array
 
 
 class HeldCase(Protocol):

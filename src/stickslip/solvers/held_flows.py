@@ -19,6 +19,7 @@ from stickslip.solvers.flow_solving import asked_of
 from stickslip.solvers.held_cases import Standing, times_of
 
 _RTOL = 1e-9  # no step of a flow depends on it
+_NOBODY = np.zeros(0, bool)
 _ENDLESS = 1e9  # switches
 
 
@@ -101,7 +102,7 @@ class FlowCase:
 
     def standing(self, side: Side, t: float) -> Standing:
         """Where a lane stands."""
-        return Standing(t, side.states[: self._n].copy(), side.sides, side.memory.copy())
+        return Standing(t, side.states[: self._n].copy(), side.sides, side.memory.copy(), _NOBODY)
 
     def _mode_of(self, side: Side) -> Any:
         return self._labels[round(float(side.memory[0])) - 1]

@@ -32,6 +32,7 @@ from stickslip.solvers.stepping import budget_of
 from stickslip.solvers.time_dependence import check_period
 
 _FORCE = "force "  # before the name of a force among the numbers
+_NOBODY = np.zeros(0, bool)
 _LOST = 1e-6  # of the load at the start: what is left of one where a contact is lost
 
 
@@ -70,6 +71,7 @@ class MachineCase:
         tableau, self.rtol = chosen.steps(todo)
         self.tolerance = None if tableau is None else todo.rtol
         self.kernel = lanes.kernel_of(self.model, tableau, record=True)
+        self._flies = max(self.kernel.flights, default=-1) >= 0
         self.method = "exact" if tableau is None else tableau.name
 
     def ready_for(self, numbers: Iterable[str]) -> MachineCase:
@@ -155,7 +157,7 @@ class MachineCase:
         """Where a lane stands."""
         states = side.states.copy()
         states[: self.table.count] += self.table.offsets[0]
-        return Standing(t, states, side.sides, side.memory.copy())
+        return Standing(t, states, side.sides, side.memory.copy(), side.aloft if self._flies else _NOBODY)
 
     def _parts(self, side: Side, t: float) -> tuple[Array, Array, Any]:
         """Positions, velocities and other states, with the velocities in full."""
@@ -172,7 +174,7 @@ class MachineCase:
         q, u, z = self._parts(side, t)
         layout, mode = self.kernel.layout, side.sides.astype(np.int8)
         if layout.single:
-            inner = None if not len(z) else float(z[0]) if len(z) == 1 else z.copy()
+            inner = None if not len(z) else _one_or_all(z.copy())
             return {"t": t, "x": float(q[0]), "v": float(u[0]), "mode": int(mode[0]), "z": inner}
         m = self._machine.mechanics
         x, v = (np.array([float(each) for each in of]) for of in (m.positions(t, tuple(q)), m.velocities(t, tuple(u))))
@@ -184,7 +186,7 @@ class MachineCase:
             z = None if contact is None or not contact.inner else states[list(contact.inner)]
             first: dict[str, Any] = {"x": float(x[own["body"]]), "v": float(v[own["body"]])}
             first["mode"] = None if contact is None else int(mode[own["contact"]])
-            return {"t": t, **first, "z": z if z is None or len(z) > 1 else float(z[0])}
+            return {"t": t, **first, "z": None if z is None else _one_or_all(z)}
         return {"t": t, "x": x, "v": v, "mode": mode, "z": held or None}
 
     def start(self, side: Side, t: float) -> dict[str, Any]:
@@ -195,7 +197,7 @@ class MachineCase:
         memory = {part.name: side.memory[list(part.memory)].copy() for part in layout.contacts if part.memory}
         if layout.single:
             one = {"x": float(q[0]), "v": float(u[0])}
-            return one | {name: next(iter(of.values())) for name, of in (("z", inner), ("memory", memory)) if of}
+            return one | {name: _one_or_all(next(iter(of.values()))) for name, of in (("z", inner), ("memory", memory)) if of}
         m = self._machine.mechanics
         x, v = m.positions(t, tuple(q)), m.velocities(t, tuple(u))
         parts: dict[str, Any] = {what: dict(zip(m.bodies, map(float, of), strict=True)) for what, of in (("x", x), ("v", v))}
@@ -252,6 +254,8 @@ class MachineCase:
         hits: list[Any] = []
         several = not machine.is_single
         aloft = aloft_of(pieces, machine.laws if several else ())
+        if self._flies:
+            aloft[0], aloft[-1] = before.aloft, after.aloft
         if several and machine.mechanics.stops:
             hits = hits_of(pieces, machine.mechanics, float(machine.velocity_scale), float(machine.time_scale or 1.0))
         hits += flights_of(pieces, aloft)
@@ -291,6 +295,11 @@ class MachineCase:
         _, u, _ = self._parts(side, t)
         where = stopped.location(self._machine.mechanics, t, u, None)
         return f"{STATUS[status]} {where}. {stopped.remedy(status, self.rtol, bool(self._machine.mechanics.stops))}"
+
+
+def _one_or_all(values: Array) -> Any:
+    """A number where there is one alone."""
+    return float(values[0]) if len(values) == 1 else values
 
 
 def _check_machine(machine: Any) -> None:

@@ -187,7 +187,7 @@ def _advanced(now: Moment, goal: Moment, stop: bool, anew: bool, record: bool) -
     before, kept = now.standing, now.kept
     if stop and anew:
         draft.advance(0)
-    held = (draft.sides, draft.memory.copy()) if stop else (before.sides, before.memory)
+    held = (draft.sides, draft.modes.copy())
     rows: Any = ()
     while True:
         code = draft.advance()
@@ -200,7 +200,7 @@ def _advanced(now: Moment, goal: Moment, stop: bool, anew: bool, record: bool) -
             happened = case.events(before, rows, case.standing(draft, _time_of(draft, case)))
             if any(event.t > now.t + _SAME * (case.period or goal.span) for event in happened):
                 break
-            held = (draft.sides, draft.memory.copy())
+            held = (draft.sides, draft.modes.copy())
         if len(rows) >= ROOM and not stop:
             after = case.standing(draft, _time_of(draft, case))
             early += case.events(before, rows, after)
@@ -234,8 +234,8 @@ def put(numbers: dict[str, float], row: Array, case: HeldCase) -> None:
 
 
 def _may_have_happened(side: Side, rows: Array, held: tuple[Array, Array]) -> bool:
-    """Whether a step ended with another side or memory than it had, or with a jump: only then are its events looked for."""
-    if not np.array_equal(side.sides, held[0]) or not np.array_equal(side.memory, held[1]):
+    """Whether a step ended with another side or mode than it had, or with a jump: only then are its events looked for."""
+    if not np.array_equal(side.sides, held[0]) or not np.array_equal(side.modes, held[1]):
         return True
     if not len(rows):
         return False
