@@ -284,8 +284,5 @@ def _misbraked(m: Mechanics, at: Arguments, forces: Sequence[float], without: Se
 
 
 _MANY = 16  # contacts that are asked one by one
-_BRAKING = (
-    "give the mass that it moves (total_mass), or write the system as an ss.SwitchingFlow with a field for each direction of slip and one "
-    "for rest"
-)
+_BRAKING = "give the mass that it moves (total_mass), or write the system as an ss.SwitchingFlow with contacts={...} of ss.FlowContact"
 _ROUNDED = 1e-9  # of the accelerations

@@ -24,6 +24,7 @@ from stickslip.models.machine_adapter import machine_of
 from stickslip.models.observables import by_time_of_computation as parted_observables
 from stickslip.models.switching_flow import is_flow
 from stickslip.solvers.methods import SLOW
+from stickslip.solvers.plain.composed_flows import composed
 from stickslip.studies.models_of_points import Group, Made, groups_of_points, split_by_tile, starts_at
 from stickslip.studies.space import Column, Space
 
@@ -254,9 +255,8 @@ def _plain_values(model: Any) -> list[str]:
 def _values_of_flow(flow: SwitchingFlow) -> list[str]:
     """Values of the functions of a flow that names its states."""
     n = len(flow.states or ())
-    numbers = (flow.given,) if flow.numbers else ()
-    y = [0.3 + 0.1 * i for i in range(n)]
-    return [text for mode in flow.fields if n for t in _INSTANTS for text in _values(flow.fields[mode], t, list(y), *numbers)]
+    y, fields = [0.3 + 0.1 * i for i in range(n + len(flow.inner))], composed(flow).fields
+    return [text for mode in fields if n for t in _INSTANTS for text in _values(fields[mode], t, list(y))]
 
 
 def _values(function: Any, *arguments: Any) -> list[str]:
