@@ -1,7 +1,7 @@
 """Errors, numbers with units, records of numbers, threads and files: what every other package stands on.
 
-- `errors`, `arguments`: all problems of one input in one message, with what to type; `optional` names the extra that is
-  missing.
+- `errors`, `arguments`, `constructors`: all problems of one input in one message, with what to type; `optional` names the extra
+  that is missing.
 - `units`, `quantities`, `typed_numbers`, `fields`: numbers with units, what a field of a record may hold, and frozen records of
   them.
 - `contracts`: what a law, a drive, a track and a machine are asked for; `maths`: the functions that laws are written with.

@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, TypeAlias, TypeVar
 
+from stickslip.basics.constructors import check_arguments
 from stickslip.basics.contracts import (
     DataFrame,
     DeclaresContact,
@@ -29,7 +30,7 @@ from stickslip.basics.contracts import (
     SetValuedLaw,
 )
 from stickslip.basics.errors import InputError, OneContactNeeded, Problems, StickslipError, is_whole
-from stickslip.basics.fields import check_arguments, checked_number, number
+from stickslip.basics.fields import checked_number, number
 from stickslip.basics.quantities import allowed_in, example_of
 
 P = ParamSpec("P")

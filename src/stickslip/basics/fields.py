@@ -12,8 +12,9 @@ from __future__ import annotations
 import dataclasses
 import functools
 from collections.abc import Callable, Collection, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from stickslip.basics.constructors import arguments_of, check_arguments, names_and_needed
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems, did_you_mean, other_words
 from stickslip.basics.field_types import field_types
@@ -21,9 +22,6 @@ from stickslip.basics.maths import is_symbol
 from stickslip.basics.number_names import numbers_meant
 from stickslip.basics.quantities import allowed_in, description_inside, example_of
 from stickslip.basics.typed_numbers import in_unit
-
-if TYPE_CHECKING:
-    import inspect
 
 #: Limit for the magnitude of a record's numbers, so that their squares are finite.
 LARGEST = 1e150
@@ -208,7 +206,7 @@ class Frozen:
 
     def __new__(cls, *args: Any, **kwargs: Any) -> Any:
         """Create an empty record after checking the names of the arguments."""
-        names, needed = _names_of(cls.__init__)
+        names, needed = names_and_needed(cls.__init__)
         if args or kwargs:  # copying makes an empty one first
             fits = kwargs.keys() <= names and all(position < len(args) or name in kwargs for position, name in needed)
             if not fits:
@@ -306,60 +304,6 @@ def _rule_of(cls: type, field: dataclasses.Field[Any]) -> tuple[Any, str, str, s
     description, several = field.metadata, kind.holds == "numbers"
     allowed = allowed_in(description, kind.optional and not several)
     return description.get("rule"), allowed, f"{field.name}={example_of(description, several)}", description.get("unit")
-
-
-def arguments_of(cls: type) -> dict[str, inspect.Parameter]:
-    """The arguments of a record's class by name: its fields, or those of its own constructor.
-
-    Examples
-    --------
-    >>> from stickslip.drives import Harmonic
-    >>> list(arguments_of(Harmonic))
-    ['amplitude', 'omega', 'frequency', 'notes', 'phase']
-    """
-    return dict(_parameters_of(cls.__init__))  # type: ignore[misc]
-
-
-@functools.lru_cache(maxsize=512)
-def _parameters_of(made: Any) -> tuple[tuple[str, inspect.Parameter], ...]:
-    """The parameters of a constructor without ``self``; cached, because `inspect.signature` is slow."""
-    import inspect
-
-    return tuple(inspect.signature(made).parameters.items())[1:]
-
-
-@functools.lru_cache(maxsize=512)
-def _names_of(made: Any) -> tuple[frozenset[str], tuple[tuple[int, str], ...]]:
-    """Names of all arguments of a constructor; positions and names of the required ones."""
-    known = [p for _, p in _parameters_of(made)]
-    needed = ((i, p) for i, p in enumerate(known) if p.default is p.empty and p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL))
-    return frozenset(p.name for p in known), tuple((i, p.name) for i, p in needed)
-
-
-def check_arguments(
-    what: str,
-    known: dict[str, inspect.Parameter],
-    args: Any,
-    kwargs: Any,
-    described: Callable[[], Mapping[str, Mapping[str, Any]]],
-    not_known: str = "not a field",
-) -> None:
-    """Report unknown and missing arguments; the suggestion for a missing one is the example in its description."""
-    problems = Problems(what)
-    takes_any = any(p.kind is p.VAR_KEYWORD for p in known.values()) and not_known != "not a field"
-    for name in kwargs if not takes_any else ():
-        if name not in known:
-            hint = other_words(name, kwargs[name], known) or did_you_mean(name, known)
-            problems.add(f"{name!r} is {not_known}; {hint}")
-    for p in list(known.values())[len(args) :]:
-        if p.default is p.empty and p.name not in kwargs and p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL):
-            problems.add(f"{p.name} is missing; type {p.name}={_example_in(described().get(p.name, {}))}")
-    problems.check()
-
-
-def _example_in(description: Mapping[str, Any]) -> str:
-    """An example of a number; dots if it has no description."""
-    return example_of(description) if description.get("example") is not None else "..."
 
 
 def _changed(part: Any, changes: dict[str, Any]) -> Any:

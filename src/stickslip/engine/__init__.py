@@ -11,7 +11,7 @@
 - Rows of many bodies (`force_tables`, `local_events`): forces that differ in numbers alone are rows of a table, and a kernel that knows
   clusters of moving bodies goes from event to event. Their text does not grow with the number of bodies.
 - A kernel's file has what depends on the law; `driver` and `kernels/` are the same for all laws and call the law's functions at
-  their addresses. `functions` writes the driver as one piece of LLVM, `emit` a step's lines, both with `expressions`, and
+  their addresses. `functions` (`function_body`) writes the driver as one piece of LLVM, `emit` a step's lines, both with `expressions`, and
   `shared_arrays` has the layout of their arrays.
 - `traced_law`, `law_steps`, `portable`: a law alone, over a prescribed motion, or as lines of C or MATLAB; `latex`: equations
   as derived.

@@ -9,8 +9,9 @@ from llvmlite import ir
 from numba import int64
 from numba.np.arrayobj import populate_array
 
-from stickslip.engine.expressions import INT64
-from stickslip.engine.functions import KINDS, View, at_points
+from stickslip.engine.expressions import FLOAT64, INT64
+from stickslip.engine.function_body import View
+from stickslip.engine.functions import KINDS
 
 
 def outside(context: Any, functions: dict[str, str], shared: dict[str, str]) -> dict[str, Any]:
@@ -54,3 +55,27 @@ def as_array(context: Any, builder: Any, kind: Any, view: View) -> Any:
         strides.insert(0, builder.mul(strides[0], length))
     populate_array(array, view.data, view.shape, strides, size, None)
     return array._getvalue()
+
+
+def at_points(builder: Any, args: list[Any]) -> None:
+    """A polynomial S[at + m * apart] and its slope at `count` points in a row, into two other rows of the same array: one vector each."""
+    S, at, rows, x, to, slopes_to = args[:6]
+    order, apart, count = (arg.constant for arg in args[6:])
+    vector, index = ir.VectorType(FLOAT64, count), ir.IntType(32)
+    fma = builder.module.declare_intrinsic(f"llvm.fma.v{count}f64", (), ir.FunctionType(vector, [vector] * 3))
+
+    def row(first: Any) -> Any:
+        return builder.bitcast(builder.gep(rows.data, [first]), vector.as_pointer())
+
+    def coefficient(m: int) -> Any:
+        number = builder.load(builder.gep(S.data, [builder.add(at, ir.Constant(INT64, m * apart))]))
+        one = builder.insert_element(ir.Constant(vector, ir.Undefined), number, ir.Constant(index, 0))
+        return builder.shuffle_vector(one, one, ir.Constant(ir.VectorType(index, count), [0] * count))
+
+    points = builder.load(row(x), align=8)
+    value, slope = coefficient(order), ir.Constant(vector, [0.0] * count)
+    for m in range(order - 1, -1, -1):  # Horner's scheme
+        slope = builder.call(fma, [slope, points, value])
+        value = builder.call(fma, [value, points, coefficient(m)])
+    builder.store(value, row(to), align=8)
+    builder.store(slope, row(slopes_to), align=8)

@@ -36,7 +36,7 @@ FUNCTIONS = {
 LOOKS = ("CLOCK_SIGNS", "FIRST_MODES", "GUARD_VALUES", "PASSED_REST", "RATES", "RESTING_CHANGES", "SAMPLE")
 
 #: What compiles the texts of kernels: their files import it.
-_COMPILER = ("addresses", "emit", "expressions", "functions")
+_COMPILER = ("addresses", "emit", "expressions", "function_body", "functions")
 #: The top of every kernel's file. What the driver calls at an address needs no wrapper for Python.
 _HEADER = '''"""Written by stickslip: {label}."""
 from numba import boolean, float64, int64, njit, types, void

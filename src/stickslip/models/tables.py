@@ -8,10 +8,11 @@ import tomllib
 from collections.abc import Sequence
 from typing import Any
 
+from stickslip.basics.constructors import arguments_of
 from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import InputError, Problems, did_you_mean, is_one_of, other_words
 from stickslip.basics.field_types import field_types
-from stickslip.basics.fields import arguments_of, describe, is_array, is_record
+from stickslip.basics.fields import describe, is_array, is_record
 from stickslip.basics.quantities import example_of, pretty_unit, with_unit
 from stickslip.models.drives import DRIVES
 from stickslip.models.friction import LAWS
