@@ -214,9 +214,14 @@ def _check_controllers(mechanics: Mechanics, problems: Problems) -> None:
     machine, parts = mechanics.model, mechanics.controllers.parts
     samples = {name: part.sample for name, part in parts.items() if part.sample is not None}
     for name, own in samples.items():
-        first, other = next(iter(samples.items()))
-        if not everywhere(abs(own - other) <= 1e-12 * other):
-            problems.add(f"controllers()[{name!r}] samples every {own!r} s and {first!r} every {other!r} s; allowed is one time for all")
+        fastest = mechanics.controllers.sample
+        ratio = own / fastest
+        if not everywhere(abs(_off_whole(ratio)) <= 1e-9):
+            problems.add(
+                f"controllers()[{name!r}] samples every {describe(own)} s, and the fastest every {describe(fastest)} s; "
+                "allowed is a whole number of times as long; a controller without states and forces that samples in a time of which both "
+                "are multiples may be the fastest"
+            )
         if machine.period is not None and not everywhere(abs(_off_whole(machine.period / own)) <= 1e-9):
             mistake = f"the period of {describe(machine.period)} s is not a whole number of them"
             problems.add(f"controllers()[{name!r}] samples every {describe(own)} s, and {mistake}; allowed is a period that is")
