@@ -46,6 +46,6 @@ class BatchFiles:
         >>> print(many.save("many.csv").read_text().splitlines()[0][:52])
         case,drive.amplitude [m],mean_velocity [m/s],motion_ty
         """
-        from stickslip.results.storage import save_batch
+        from stickslip.results.storage import save_table
 
-        return save_batch(self, path)
+        return save_table(self, path, "batch", "many")

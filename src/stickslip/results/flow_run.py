@@ -13,14 +13,14 @@ from numpy.polynomial.polynomial import polyval
 
 from stickslip.basics.arguments import Numbers, explains_arguments
 from stickslip.basics.contracts import Array
-from stickslip.basics.errors import InputError, as_path, did_you_mean
+from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.notebook_display import Drawn
 from stickslip.basics.status import INTERRUPTED
 from stickslip.models.flow_contacts import ContactColumns, contact_columns
 from stickslip.results.datasets import FileColumns
 from stickslip.results.run_files import RunFiles
-from stickslip.results.storage import FORMAT, NETCDF, save_columns, save_datasets
+from stickslip.results.storage import save_table
 
 _OF_A_CONTACT = ("slip", "load", "friction_force")  # columns of files, with the contact's name behind
 _LOOKS = 33  # samples of a polynomial on one step, from which its extremes are refined
@@ -263,14 +263,7 @@ class FlowRun(RunFiles, Drawn):
         The columns can be read back, but not the run: the functions of a flow are Python code, which cannot be stored in a file.
         An existing file is replaced in a single step at the end.
         """
-        path = as_path(path, "save")
-        if path.suffix.lower() in (".csv", ".xlsx", ".mat"):
-            return save_columns(self, path)
-        if path.suffix.lower() not in NETCDF:
-            allowed = ", ".join([*NETCDF[:-1], ".csv, .xlsx and .mat"])
-            raise InputError("save", [f"{str(path)!r} ends in {path.suffix!r}; allowed are {allowed}; type for example run.save('run.nc')"])
-        attributes = {"stickslip_format": FORMAT, "stickslip_content": "run of a flow"}
-        return save_datasets(path, {"": (self.to_xarray().assign_attrs(attributes), {})})
+        return save_table(self, path, "run of a flow", "run")
 
     _drawn_by = "states"
 

@@ -83,15 +83,19 @@ def save(run: Any, path: str | Path) -> Path:
     return save_datasets(path, {"": (data, encoding), "pieces": (pieces, {name: {"_FillValue": None} for name in arrays})})
 
 
-def save_batch(many: Any, path: str | Path) -> Path:
-    """Write the columns of a batch to a file whose ending says what it holds, as of runs; returns its path."""
-    path = as_path(path, "save", "many.nc")
+def save_table(result: Any, path: str | Path, content: str, called: str) -> Path:
+    """Write the columns of a result that `load` does not read back, a batch or the run of a flow; the ending says how. Returns its path.
+
+    `content` says in the file what it is, and `called` is the usual name of such a result.
+    """
+    path = as_path(path, "save", f"{called}.nc")
     if path.suffix.lower() in _OF_COLUMNS:
-        return save_columns(many, path)
+        return save_columns(result, path)
     if path.suffix.lower() not in NETCDF:
-        raise InputError("save", [f"{str(path)!r} ends in {path.suffix!r}; allowed are {_ENDINGS}; type for example many.save('many.nc')"])
-    attributes = {"stickslip_format": FORMAT, "stickslip_content": "batch"}
-    return save_datasets(path, {"": (many.to_xarray().assign_attrs(attributes), {})})
+        typed = f"type for example {called}.save('{called}.nc')"
+        raise InputError("save", [f"{str(path)!r} ends in {path.suffix!r}; allowed are {_ENDINGS}; {typed}"])
+    attributes = {"stickslip_format": FORMAT, "stickslip_content": content}
+    return save_datasets(path, {"": (result.to_xarray().assign_attrs(attributes), {})})
 
 
 def save_datasets(path: Path, groups: dict[str, tuple[Any, dict[str, Any]]], doing: str = "save") -> Path:
