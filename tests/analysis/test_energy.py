@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from runs import coulomb_run, lugre_run, unit_robot
 from stickslip.analysis.steady import velocity_range
 from stickslip.basics.fields import leaves
@@ -93,7 +94,7 @@ MACHINES = {
 }
 
 
-@pytest.mark.parametrize("name", MACHINES)
+@each_row("name", MACHINES)
 def test_the_energy_of_every_preset_is_balanced_to_rounding_with_a_loss_for_each_part(name):
     """Exact runs: some hundred steps in a period, each to rounding of works that are up to ten times what is left."""
     model, length, links = MACHINES[name]
@@ -162,7 +163,7 @@ RIGHT = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", RIGHT)
+@each_row("name", RIGHT)
 def test_the_residual_of_a_right_run_is_small_whatever_it_exchanges(name):
     model, how = RIGHT[name]
     balance = ss.energy(ss.solve(model, **how))

@@ -9,6 +9,7 @@ import pytest
 
 import stickslip as ss
 from problems import LUGRE, lugre, velocity_unit
+from rows import each_row
 
 UNIT = 1e-3 * 0.1 * 100.0  # A mu omega of `dimensionless` [m/s]
 #: Mean velocity of the Coulomb runs [m/s], to the digits printed, and their type: P1 to P4, P6, P7.
@@ -43,7 +44,7 @@ def dimensionless(plus, minus, held_plus=None, held_minus=None):
     return ss.Robot(0.09, 0.01, ss.Harmonic(amplitude=1e-3, omega=100.0), ss.Coulomb(plus * c, minus * c, **held), gravity=10.0)
 
 
-@pytest.mark.parametrize("name", COULOMB)
+@each_row("name", COULOMB)
 def test_coulomb_rows_as_orbits(name):
     given, kind, mean = COULOMB[name]
     robot = ss.presets.piezo_rig(law="coulomb", **given)

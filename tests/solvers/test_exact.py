@@ -46,14 +46,14 @@ PAPER = [  # section 3 of TRUTH: robot, type, V, half a unit of the last digit p
 ]
 
 
-@pytest.mark.parametrize(("robot", "type_", "velocity", "half"), [row[1:] for row in PAPER], ids=[row[0] for row in PAPER])
+@each_row(("robot", "type_", "velocity", "half"), [row[1:] for row in PAPER], ids=[row[0] for row in PAPER])
 def test_the_papers_coulomb_column(robot, type_, velocity, half):
     raw = raw_of(robot)
     assert raw["V"][0] == pytest.approx(velocity, abs=half * 1.001, rel=0)
     assert (raw["motion_type"][0], raw["period"][0], raw["status"][0]) == (type_, 1, 0)
 
 
-@pytest.mark.parametrize(("robot", "type_"), [row[1:3] for row in PAPER], ids=[row[0] for row in PAPER])
+@each_row(("robot", "type_"), [row[1:3] for row in PAPER], ids=[row[0] for row in PAPER])
 def test_a_long_run_settles_on_the_closed_form(robot, type_):
     from stickslip.analysis.closed_form import mean_without_rest, periodic
 

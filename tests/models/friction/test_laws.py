@@ -64,14 +64,14 @@ def checked(name):
     return check_law(EVERY[name])
 
 
-@pytest.mark.parametrize("name", EVERY)
+@each_row("name", EVERY)
 def test_every_law_holds_the_claims(name):
     report = checked(name)
     assert report.passed, report
     assert len(report.claims) >= 6
 
 
-@pytest.mark.parametrize("law", EVERY.values(), ids=EVERY)
+@each_row("law", EVERY.values(), ids=EVERY)
 def test_every_law_holds_the_claims_under_another_load(law):
     """The paper's weight; ElastoPlastic's z_ba stays below mu N / sigma0 there."""
     assert check_law(law, load=0.9).passed

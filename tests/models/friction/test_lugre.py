@@ -7,9 +7,8 @@ import pytest
 
 import stickslip as ss
 from problems import LUGRE, lugre, paper_batch, random_robots, velocity_unit
+from rows import each_row
 from stickslip.engine.tableaux import TABLEAUX
-
-every_row = pytest.mark.parametrize("name", LUGRE)
 
 
 @pytest.fixture(scope="module")
@@ -24,13 +23,13 @@ def test_the_truth_table_holds(tight):
         assert ss.mean_velocity(tight[name]) == pytest.approx(V, rel=1e-6, abs=5e-8 * velocity_unit(lugre(name))), name
 
 
-@every_row
+@each_row("name", LUGRE)
 def test_default_tolerance_gives_six_digits(name, tight):
     V, exact = ss.mean_velocity(ss.solve(lugre(name))), ss.mean_velocity(tight[name])
     assert abs(V - exact) <= 1e-6 * max(abs(exact), 0.05 * velocity_unit(lugre(name)))
 
 
-@every_row
+@each_row("name", LUGRE)
 def test_rtol_1e8_gives_six_digits_of_v_itself(name, tight):
     V, exact = ss.mean_velocity(ss.solve(lugre(name), rtol=1e-8)), ss.mean_velocity(tight[name])
     assert abs(V - exact) <= 1e-6 * abs(exact) + 1e-13 * velocity_unit(lugre(name))
@@ -61,7 +60,7 @@ def test_dimensionless_form_is_the_same_robot():
     assert np.abs(other.mean_velocity * scale - one.mean_velocity).max() <= 1e-9 * scale.max() * robot.mass_ratio
 
 
-@pytest.mark.parametrize("name", [n for n in LUGRE if "P10" not in n])
+@each_row("name", [n for n in LUGRE if "P10" not in n])
 def test_every_folded_row_agrees_in_dimensionless_form(name, tight):
     robot = lugre(name)
     V = ss.mean_velocity(ss.solve(ss.dimensionless(robot), rtol=1e-10)) * robot.velocity_scale
@@ -116,7 +115,7 @@ def test_ten_thousand_robots_far_from_the_paper():
     assert error.max() < 1e-3
 
 
-@pytest.mark.parametrize("name", ["P1", "P2", "P3", "P4", "P6 4e-4", "P6 8e-4", "P8 .05", "P8 .10", "P8 .21", "P10 1.7"])
+@each_row("name", ["P1", "P2", "P3", "P4", "P6 4e-4", "P6 8e-4", "P8 .05", "P8 .10", "P8 .21", "P10 1.7"])
 def test_energy_closes_to_1e6_by_default(name):
     """Work of the drive and of gravity, less friction's, is the change of kinetic energy; per period, relative to the drive's work."""
     assert ss.energy(ss.solve(lugre(name))).worst <= 1e-6
