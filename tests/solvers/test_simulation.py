@@ -240,6 +240,17 @@ def test_a_contact_that_an_input_tears_off_slips_from_that_instant():
     assert np.isclose(state["v"], 0.5 * (0.05 - 0.02) / 0.01, rtol=1e-14, atol=0.0) and np.isclose(sim.columns["friction_force"], 0.02)
 
 
+def test_a_flow_with_a_contact_is_torn_off_by_its_belt_as_the_machine_is():
+    block = every_machine["BlockOnBelt"][0]
+    contact = ss.FlowContact(slip=lambda t, y, n: y[1] - n.speed, friction=block.friction, load=1.0)
+    field = lambda t, y, R, n: (y[1], -2.0 * y[0] - R.belt)  # noqa: E731
+    flow = ss.SwitchingFlow(field, numbers={"speed": 0.1}, states=("x", "v"), contacts={"belt": contact})
+    sims = ss.simulation(flow, {"x": 0.0, "v": 0.1}), ss.simulation(block, {"x": 0.0, "v": 0.1})
+    for k, speed in enumerate((0.1, 0.1, 0.15, 0.15, 0.05)):
+        states = [sim.step(0.7, inputs={"speed": speed}) for sim in sims]
+        assert all(np.isclose(states[0][name], states[1][name], rtol=0.0, atol=1e-12) for name in ("x", "v")), k
+
+
 def test_recorded_stretches_are_runs_with_the_forces_of_their_inputs():
     sim = ss.simulation(SHAKEN, record=True)
     for force in (0.0, 0.0, 0.1):

@@ -81,6 +81,9 @@ class HeldCase(Protocol):
     def rebase(self, side: Side, before: Any, t: float) -> None:
         """Count the states from what these numbers say, which were counted from what others said before."""
 
+    def judge_anew(self, side: Side) -> None:
+        """Have the kernel decide which contacts stick, where it does not do so at every jump of an input."""
+
     def standing(self, side: Side, t: float) -> Standing:
         """Where a lane stands."""
 

@@ -100,6 +100,12 @@ class FlowCase:
     def rebase(self, side: Side, before: FlowCase, t: float) -> None:
         """States are counted from zero."""
 
+    def judge_anew(self, side: Side) -> None:
+        """What contacts do from here on is what the state says, as at the start of a run."""
+        if self.model.contacts:
+            field, _ = self.model.labels[self._mode_of(side)]
+            side.memory[0] = -1.0 - list(self.model.fields).index(field)
+
     def standing(self, side: Side, t: float) -> Standing:
         """Where a lane stands."""
         return Standing(t, side.states[: self._n].copy(), side.sides, side.memory.copy(), _NOBODY)

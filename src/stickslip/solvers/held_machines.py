@@ -153,6 +153,9 @@ class MachineCase:
         if np.any(old.carried != new.carried):
             side.count_way_from(side.way + float(old.carried[0] - new.carried[0]) * t)
 
+    def judge_anew(self, side: Side) -> None:
+        """The kernel does, by the conditions of an impulse."""
+
     def standing(self, side: Side, t: float) -> Standing:
         """Where a lane stands."""
         states = side.states.copy()

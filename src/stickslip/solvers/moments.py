@@ -161,6 +161,8 @@ def _renumbered(now: Moment, base: HeldCase, draft: Side, given: dict[str, float
         row = draft.row.copy()
         put(given, row, case)
         draft.renumber(row)
+    if given:
+        case.judge_anew(draft)
     if others:
         case.rebase(draft, now.case, now.t)
         if case.period is not None and case.period != now.case.period:
