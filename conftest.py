@@ -1,6 +1,8 @@
 """What every test and every doctest shares: one kernel cache for the run, no windows, no litter."""
 
+import contextlib
 import gc
+import importlib
 import os
 import re
 import shutil
@@ -48,6 +50,21 @@ def pytest_collection():
     finally:
         gc.freeze()
         gc.enable()
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collect_file(file_path, parent):
+    """A module of ours is imported as users do before its doctests are collected.
+
+    pytest makes a second module of a file that nobody has imported: its classes are not those that the package knows, and it hides the
+    function of its name in its package.
+    """
+    source = Path(__file__).parent / "src"
+    if file_path.suffix == ".py" and file_path.is_relative_to(source / "stickslip"):
+        name = ".".join(file_path.relative_to(source).with_suffix("").parts).removesuffix(".__init__")
+        if not name.endswith("__main__"):
+            with contextlib.suppress(Exception):  # pytest imports it again, and says what is wrong with it
+                importlib.import_module(name)
 
 
 def pytest_terminal_summary(terminalreporter, config):

@@ -313,7 +313,10 @@ def _changed(part: Any, changes: dict[str, Any]) -> Any:
         for position, sub in _by_head(changes).items():
             parts[int(position)] = _changed(part[int(position)], sub.changes) if isinstance(sub, _Sub) else sub
         return tuple(parts)
-    return part.replace(changes) if hasattr(part, "replace") else dataclasses.replace(part, **changes)
+    if hasattr(part, "replace"):
+        return part.replace(changes)
+    whole = {head: _changed(getattr(part, head), sub.changes) if isinstance(sub, _Sub) else sub for head, sub in _by_head(changes).items()}
+    return dataclasses.replace(part, **whole)
 
 
 def _spelled_out(record: Any, changes: dict[str, Any], problems: Problems) -> dict[str, Any]:

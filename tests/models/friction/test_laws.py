@@ -99,6 +99,23 @@ def test_a_law_is_copied_with_changes_and_compared(law):
         assert law.replace({name: 1.1 * value + 1e-9}) != law
 
 
+def test_one_of_several_numbers_of_a_law_of_ones_own_is_changed():
+    @dataclass(frozen=True)
+    class Limits:
+        limits: tuple[float, ...]
+
+        def sliding(self, v, load):
+            return where(v > 0, self.limits[0], -self.limits[1]) * load
+
+        def breakaway(self, load):
+            return -self.limits[1] * load, self.limits[0] * load
+
+    robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=6e-4).replace(friction=Limits((0.1, 0.2)))
+    assert robot.replace({"friction.limits.0": 0.15}).friction == Limits((0.15, 0.2))
+    with pytest.raises(ss.InputError, match="'5' is not a field; known: 0, 1"):
+        robot.replace({"friction.limits.5": 0.15})
+
+
 @each_row("name", ss.LAWS)
 def test_a_study_file_holds_every_law(name):
     robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=6e-4).replace(friction=EVERY[name])
