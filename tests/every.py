@@ -562,4 +562,5 @@ without_picture = {
     "ExportedLaw": "source text",
     "DimensionlessRobot": "a machine",
     "SwitchingFlow": "a machine",
+    "Simulation": "a machine at an instant: the trajectories that it recorded draw themselves",
 }

@@ -226,7 +226,6 @@ def test_the_table_of_a_robot_has_units_and_its_remarks():
         (lambda: ss.presets.piezo_rigg, "did you mean 'piezo_rig'?"),
         (lambda: ss.simulate, "did you mean 'solve'?"),
         (lambda: ss.solve(ss.presets.coulomb_robot(0.5, 0.9), periods=2, settle=0).velocity, "type run.v"),
-        (lambda: ss.solve(ss.presets.coulomb_robot(0.5, 0.9), periods=2, settle=0).mean_velocity, r"type ss.mean_velocity\(run\)"),
         (lambda: ss.solve(ss.presets.coulomb_robot(0.5, 0.9), periods=2, settle=0).contact_force, "this run has no|a run has no"),
     ],
 )

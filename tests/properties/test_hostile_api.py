@@ -227,6 +227,8 @@ def examples():
         "plot.line_cut": (ss.plot.line_cut, {"grid": grid, "along": "amplitude", "at": None, "lines": None, "ax": None}),
         "plot.motion_map": (ss.plot.motion_map, {"grid": grid, "x": None, "y": None, "borders": True, "ax": None}),
         "plot.velocity_map": (ss.plot.velocity_map, {"grid": grid, "x": None, "y": None, "borders": True, "optimum": True, "ax": None}),
+        "plot.batch": (ss.plot.batch, {"many": batch, "ax": None}),
+        "plot.record": (ss.plot.record, {"record": rec, "channel": None, "ax": None}),
         "plot.record_spectrum": (ss.plot.record_spectrum, {"record": rec, "channel": "velocity", "ax": None}),
         "plot.check": (ss.plot.check, {"found": None, "ax": None}), "plot.design": (ss.plot.design, {"found": None, "ax": None}),
         "plot.energy": (ss.plot.energy, {"found": None, "ax": None}), "plot.indices": (ss.plot.indices, {"found": None, "ax": None}),

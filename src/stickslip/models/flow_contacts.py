@@ -21,6 +21,7 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import Problems, SolveError
 from stickslip.basics.fields import checked_number
 from stickslip.basics.forward_ad import Nested, without_slopes
+from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.maths import where
 from stickslip.models.friction.law_adapter import TINY, LawAdapter, adapted, is_law
 
@@ -151,6 +152,7 @@ def mode_labels(fields: Mapping[Any, Any], resting: Sequence[str]) -> dict[Any, 
     return labels
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class ContactColumns:
     """What a contact does at the instants of a run.

@@ -310,8 +310,8 @@ class Trajectory(Drawn, Judged, RunFiles):
         --------
         >>> import stickslip as ss
         >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), periods=2)
-        >>> run.v.shape, run.with_axes.v.shape
-        ((829,), (829, 1))
+        >>> run.v.ndim, run.with_axes.v.ndim
+        (1, 2)
         """
         layout = self.pieces.layout
         return self if not layout.own else replace(self, pieces=replace(self.pieces, layout=replace(layout, single=False, principal=None)))

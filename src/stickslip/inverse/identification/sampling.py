@@ -87,15 +87,19 @@ def sample(
     ending.needs(done - ahead >= _FEWEST)
     draws = done - ahead
     chain = sampler.get_chain(discard=ahead)  # (draws, walkers, numbers)
-    times = emcee.autocorr.integrated_time(chain, quiet=True, tol=0)
+    with np.errstate(invalid="ignore", divide="ignore"):  # of a walker that never moved
+        times = emcee.autocorr.integrated_time(chain, quiet=True, tol=0)
     named = enumerate(_named(fit).items())
     data = {name: (("draw", "walker"), outer(chain[..., k]), attrs) for k, (name, (outer, attrs)) in named}
-    longest = float(np.nanmax(times))
-    few = f"{draws} draws are {draws / longest:.0f} autocorrelation times; type draws={int(_LEAST * longest)} or more"
+    longest = float(np.max(times))
+    if np.isfinite(longest):
+        few = f"{draws} draws are {draws / longest:.0f} autocorrelation times; type draws={int(_LEAST * longest)} or more"
+    else:
+        few = f"a walker has not moved in {draws} draws, so that no autocorrelation time is known; type draws={10 * draws} or more"
     attrs = {
         "law": fit.law, "sampler": f"emcee {emcee.__version__}", "seed": seed, "burn": ahead,
         "acceptance": float(np.mean(sampler.acceptance_fraction)), "autocorrelation_time": longest,
-        "independent_draws": int(draws * count / longest),
+        "independent_draws": int(draws * count / longest) if np.isfinite(longest) else 0,
         "note": "; ".join(filter(None, (ending.note(f"{draws} draws"), "" if draws >= _LEAST * longest else few))),
     }  # fmt: skip
     return xr.Dataset(data, coords={"draw": np.arange(draws), "walker": np.arange(count)}, attrs=attrs)

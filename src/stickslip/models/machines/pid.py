@@ -44,7 +44,7 @@ class PID(TakesInput):
         Integral gain [N m/(rad s)]; 0 is none.
     kd : float
         Derivative gain [N m s/rad]; 0 is none.
-    target : float, motion or record
+    target : float, Harmonic or another drive, or tuple of array
         Target angle [rad]: a number; a motion, which has position, velocity and period as every drive has; or one period of a
         record, a pair of arrays (times, angles), which is kept as a sum of harmonics.
     sample : float, optional

@@ -29,7 +29,7 @@ def servo(
 
     Parameters
     ----------
-    target : float, motion or record
+    target : float, Harmonic or another drive, or tuple of array
         Target angle [rad].
     kp, ki, kd : float or array
         Gains at the joint, 50 (the gear ratio) times those at the motor [N m/rad, N m/(rad s), N m s/rad].

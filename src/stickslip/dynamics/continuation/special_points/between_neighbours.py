@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from stickslip.analysis.contact_modes import pressed_stops
+from stickslip.analysis.motion import Motion
 from stickslip.dynamics.continuation.following.pseudo_arclength import Path, Point
 from stickslip.dynamics.continuation.special_points.accuracy import certain
 from stickslip.dynamics.continuation.special_points.branch_points import broken_symmetry, crossing_between
@@ -213,8 +214,8 @@ def _said_of_reversals(before: int, after: int, orbit: PeriodicOrbit) -> str:
 
 
 def _said_of_words(before: str, after: str, orbit: PeriodicOrbit) -> str:
-    m = getattr(orbit, "motion", None) if not is_flow(orbit.model) and machine_of(orbit.model).is_single else None
-    if m is not None and m.slip_ratio is not None:
+    m = None if is_flow(orbit.model) or orbit.model.period is None else orbit.motion
+    if isinstance(m, Motion) and m.slip_ratio is not None:
         return f"type {before} becomes {after} by the thresholds slip_ratio = {m.slip_ratio:g}, dwell = {m.dwell:g}"
     return f"pattern {before} becomes {after}"
 
