@@ -10,6 +10,7 @@ import numpy as np
 from stickslip.basics.contracts import Array
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.maths import bisected
+from stickslip.models.contact_forces import held_by_controllers, places_of
 from stickslip.models.forces import columns, held_velocity
 from stickslip.models.friction.law_adapter import LawAdapter
 from stickslip.models.machine_adapter import machine_of
@@ -42,6 +43,8 @@ class WatchedContact:
     def __init__(self, run: Trajectory, number: int = 0):
         self.run, self.number, self.modes = run.with_axes, number, run.pieces.mode[:, number]
         self.mechanics = machine_of(run.model).mechanics
+        places = places_of(self.mechanics)
+        self.place = None if places is None else places[number]
 
     @property
     def law(self) -> LawAdapter:
@@ -71,6 +74,11 @@ class WatchedContact:
         """Friction force that would hold the contact while the others do what they do [N]."""
         run, index = self.run, self.run._index(t)
         x, v, z = run._states_at(t, index)
+        if self.place is not None:  # what acts on its coordinate decides alone
+            m, none = self.mechanics, (0.0,) * len(run.contacts)
+            q, u = (m.coordinates_of(tuple(of.T)) for of in (x, v))
+            free = m.accelerations(t, q, u, none, held_by_controllers(m, z))[self.place]
+            return np.broadcast_to(m.masses[self.place] * (free + m.offset_rates(t)[self.number]), t.shape)
         mode = np.array(run.pieces.mode[index])
         mode[:, self.number] = 0
         rates, memory = np.zeros_like(z), tuple(run.pieces.memory[index].T)

@@ -66,7 +66,7 @@ def contact_columns(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: Ar
             if len(ends) > 1 and any(mechanics.directions[i][c] for c in ends):
                 R[:, i] = np.where(shut, force(_left(mechanics, i, ends, free, prescribed, R)), R[:, i])
     pressed = np.zeros(closed.shape)
-    places = None if mechanics.stops else _places(mechanics.directions)
+    places = places_of(mechanics)
     if places:
         R = _held_alone(mechanics, resting, free, prescribed, places, R)
     elif np.any(resting) or np.any(closed):
@@ -139,8 +139,11 @@ def _held_alone(mechanics: Mechanics, resting: Array, free: Array, prescribed: A
     return np.where(resting, needed, R)
 
 
-def _places(directions: Any) -> list[int] | None:
-    """The coordinate of each contact, if each brakes one of its own against what is no coordinate; else None."""
+def places_of(mechanics: Mechanics) -> list[int] | None:
+    """The coordinate of each contact, if each brakes one of its own against what is no coordinate and there are no stops; else None."""
+    if mechanics.stops:
+        return None
+    directions = mechanics.directions
     places = [[c for c, g in enumerate(row) if g] for row in directions]
     if any(len(place) != 1 for place in places) or any(row[place[0]] != 1.0 for row, place in zip(directions, places, strict=True)):
         return None

@@ -161,6 +161,11 @@ class Mechanics(Protocol):
         return None
 
     @property
+    def knows_place(self) -> bool:
+        """Whether the place of the machine as a whole may appear in its forces or loads."""
+        return True
+
+    @property
     def names_of_links(self) -> list[str]:
         """The links and elastic stops by the bodies that they join, in the order of their columns."""
         return []
@@ -245,6 +250,13 @@ class OneBody(Mechanics):
             supplied = model.total_mass * model.acceleration(t, x, v, 0.0) * v
             works = {"drive": supplied + none, "gravity": none, "damping": none, "actuator": none}
         return {**works, "friction": friction}
+
+    @property
+    def knows_place(self) -> bool:
+        """Whether its position appears in its equations."""
+        from stickslip.models.position_dependence import knows_position
+
+        return knows_position(self.model)
 
     def potential(self, t: Array, x: Array) -> Array:
         """That of the spring of a mechanism."""

@@ -299,6 +299,8 @@ def way_of_machine(model: Model, x: Numeric) -> Any:
 
 def _place_matters(mechanics: Any, x: Array) -> bool:
     """Whether forces or loads change when the whole machine is moved as far as it went."""
+    if not mechanics.knows_place:
+        return False
     still, none = (0.0,) * mechanics.coordinates, (0.0,) * len(mechanics.contacts)
     q, T = mechanics.coordinates_of(x[-1]), float(mechanics.period)
     for shift in (float(np.ptp(x)), 0.37 * float(np.ptp(x))):
