@@ -15,7 +15,8 @@ from stickslip.basics.fields import is_array, leaves
 from stickslip.models.contact_forces import contact_columns
 from stickslip.models.friction.law_adapter import TINY, adapted, is_law, law_of
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.mechanics import normal_load, rest_velocity
+from stickslip.models.mechanics import rest_velocity
+from stickslip.models.normal_loads import normal_load
 
 if TYPE_CHECKING:
     from stickslip.models.friction.law_adapter import LawAdapter

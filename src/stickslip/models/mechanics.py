@@ -15,6 +15,8 @@ import numpy as np
 from stickslip.basics.contracts import Array, Model, Numeric, OneContact
 from stickslip.models.controllers import NO_CONTROLLERS, Controllers
 from stickslip.models.friction.law_adapter import LawAdapter, law_of
+from stickslip.models.normal_loads import normal_load
+from stickslip.models.position_dependence import knows_position
 
 Numbers = Sequence[Any]
 
@@ -254,8 +256,6 @@ class OneBody(Mechanics):
     @property
     def knows_place(self) -> bool:
         """Whether its position appears in its equations."""
-        from stickslip.models.position_dependence import knows_position
-
         return knows_position(self.model)
 
     def potential(self, t: Array, x: Array) -> Array:
@@ -266,11 +266,6 @@ class OneBody(Mechanics):
 def rest_velocity(model: OneContact) -> Any:
     """Velocity of the body at which the contact does not slip [m/s]: 0, or the speed of the belt."""
     return 0.0 - model.contact_velocity(0.0)
-
-
-def normal_load(model: Any, t: Any, x: Any) -> Any:
-    """Normal force N on the contact [N]; a model's `load` is a number, or a function of time and position."""
-    return model.load(t, x) if callable(model.load) else model.load
 
 
 def lists_parts(model: Any) -> bool:

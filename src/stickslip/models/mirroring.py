@@ -11,7 +11,7 @@ from stickslip.basics.errors import InputError
 from stickslip.models.drives.turned import Reversed
 from stickslip.models.friction.law_adapter import law_of, mirrored_law as mirrored_law
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.mechanics import normal_load
+from stickslip.models.normal_loads import normal_load
 from stickslip.models.tracks.profiles import mirrored_track
 
 # fractions of the period, velocities [m/s], positions [m]; not round numbers, where a patch may end

@@ -6,7 +6,7 @@ from typing import Any
 
 from stickslip.basics.contracts import Model, Numeric
 from stickslip.basics.fields import leaves, replace_leaf
-from stickslip.models.mechanics import normal_load
+from stickslip.models.normal_loads import normal_load
 
 
 class _Mark:

@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.basics.contracts import Array, ArrayLike, Model, Numeric
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.mechanics import normal_load
+from stickslip.models.normal_loads import normal_load
 from stickslip.models.position_dependence import knows_position
 from stickslip.models.state_layout import of_one_contact
 from stickslip.results import recurrence

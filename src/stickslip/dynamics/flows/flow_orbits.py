@@ -18,7 +18,7 @@ from stickslip.dynamics.flows.flow_stretches import Passage, passage, started
 from stickslip.dynamics.flows.user_functions import value_and_slopes
 from stickslip.dynamics.periodic.closed_orbits import Repeating, multipliers_of
 from stickslip.models.friction.law_adapter import law_of
-from stickslip.models.mechanics import normal_load
+from stickslip.models.normal_loads import normal_load
 from stickslip.models.switching_flow import Switch, SwitchingFlow, is_flow
 from stickslip.solvers.plain.composed_flows import composed, mode_of_state, mode_of_strobe_state
 

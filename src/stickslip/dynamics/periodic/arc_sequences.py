@@ -25,7 +25,7 @@ from stickslip.basics.forward_ad import slopes_of, variables
 from stickslip.models.forces import offered_force
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.mechanics import normal_load
+from stickslip.models.normal_loads import normal_load
 from stickslip.models.position_dependence import knows_position
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from stickslip.basics.contracts import Model, Numeric
 from stickslip.basics.errors import InputError
 from stickslip.models.drives.shifted import begun_at
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.mechanics import normal_load
+from stickslip.models.normal_loads import normal_load
 from stickslip.models.tracks import VaryingInTime, grip_of
 
 _SAME = 1e-9  # of the largest value: how well a shifted model must be the model at the later time

@@ -21,7 +21,7 @@ from stickslip.models.machines.bodies import Bodies
 from stickslip.models.machines.checks import periods_differ
 from stickslip.models.machines.machine import Machine
 from stickslip.models.machines.parts import LINKS, Body, Contact, Gait, Spring
-from stickslip.models.mechanics import normal_load
+from stickslip.models.normal_loads import normal_load
 from stickslip.models.robot import Robot
 
 

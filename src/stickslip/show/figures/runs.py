@@ -15,7 +15,7 @@ from stickslip.basics.errors import InputError
 from stickslip.basics.variables import unit_of
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.mechanics import normal_load
+from stickslip.models.normal_loads import normal_load
 from stickslip.models.state_layout import of_one_contact
 from stickslip.models.switching_flow import is_flow
 from stickslip.results.datasets import names_of_parts

@@ -11,7 +11,7 @@ from stickslip.analysis.bench.pulled import stick_slip
 from stickslip.analysis.bench.setup import Setup
 from stickslip.analysis.bench.velocity import steady_friction
 from stickslip.models.friction import Bristle, Coulomb, Dahl
-from stickslip.models.mechanics import normal_load
+from stickslip.models.normal_loads import normal_load
 from stickslip.show.paper.cases import EXPERIMENTS, rig
 from stickslip.show.paper.claims_page import ClaimData, PaperClaim, judged
 from stickslip.solvers import solve
