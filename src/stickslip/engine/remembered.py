@@ -90,9 +90,9 @@ def _place_of(record: Any) -> dict[Any, Any] | None:
     """A place for answers about a frozen record, which goes with it; None for a record that may change, or has ``__slots__``."""
     if not is_frozen(record):
         return None
-    key, answers = id(record), dict[Any, Any]()
+    key, answers, forget = id(record), dict[Any, Any](), _of_records.pop  # the name of the table is gone when Python ends
     try:
-        alive = weakref.ref(record, lambda _: _of_records.pop(key, None))
+        alive = weakref.ref(record, lambda _: forget(key, None))
     except TypeError:  # it has __slots__
         return None
     _of_records[key] = alive, answers
