@@ -13,8 +13,10 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import stickslip as ss
+from rows import each_row
 from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.strobe_maps import strobe_map, strobe_points
+from stickslip.maths import where
 
 MU, F, V_S, DAMPING = 0.2, 0.4, 0.3, 0.1
 COULOMB = ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0, f_plus=1.5, f_minus=1.5))
@@ -198,6 +200,59 @@ class TwoBlocks(ss.Machine):
 
     def links(self):
         return {("a", None): ss.Spring(1.0), ("b", None): ss.Spring(1.0), ("a", "b"): ss.Spring(1.2)}
+
+
+@dataclass(frozen=True)
+class Weakening:
+    """Friction that weakens with the speed of the slip, N / (1 + 3 |w|)."""
+
+    strength: float = 1.0
+    rate: float = 3.0
+
+    def sliding(self, v, load):
+        return where(v > 0, 1.0, -1.0) * self.strength * load / (1 + self.rate * abs(v))
+
+    def breakaway(self, load):
+        return -self.strength * load, self.strength * load
+
+
+def test_a_cycle_of_several_turns_is_the_one_that_a_run_shows():
+    blocks = TwoBlocks(0.33, Weakening())
+    run = ss.solve(blocks, duration=600)
+    m, cycle = ss.motion(run), ss.periodic_orbit(blocks, guess=run)
+    assert (m.type, m.period) == (cycle.type, cycle.period) == ("stick-slip", 2)
+    assert cycle.duration == pytest.approx(m.duration, rel=1e-10)
+    np.testing.assert_allclose(run.at(600.0 - m.duration)["x"], run.at(600.0)["x"], atol=1e-9)
+
+
+@each_row("section, turns, state", [
+    (("x", 0.5, -1), None, (0.5, -np.sqrt(2.0) * np.hypot(0.25, 0.1 / np.sqrt(2.0)))),
+    (("v", 0.05, 1), 2, (0.5 - np.sqrt(0.0675 - 0.00125), 0.05)),
+])  # fmt: skip
+def test_a_cycle_begins_on_the_section_that_is_asked_for(section, turns, state):
+    """The slide is a circle about x = 0.5 of the radius of the formula."""
+    cycle = ss.periodic_orbit(COULOMB, section=section, turns=turns)
+    np.testing.assert_allclose(cycle.state, state, atol=1e-12)
+    assert cycle.period == 1 and cycle.duration == pytest.approx(DURATION, rel=1e-12)
+    assert bool(cycle.notes) == (turns == 2)
+    branch = ss.continuation(COULOMB, parameter="speed", start=0.1, stop=0.12, guess=cycle, section=section, step=0.5)
+    index = ("x", "v").index(section[0])
+    np.testing.assert_allclose([orbit.state[index] for orbit in branch.orbits], section[1], atol=1e-15)
+    far = (0.12 / np.sqrt(2.0), 0.25)
+    assert branch.orbits[-1].duration == pytest.approx(0.5 / 0.12 + (2 * np.pi - 2 * np.arctan2(far[1], far[0])) / np.sqrt(2.0), rel=1e-11)
+
+
+def test_a_section_of_a_driven_machine_or_of_what_drifts_along_is_refused():
+    robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb")
+    pulled = ss.PulledMass(mass=1.0, stiffness=2.0, speed=0.1, friction=COULOMB.friction)
+    for model, more, said in [
+        (robot, dict(section="v"), "section is given, and the model has a period"),
+        (robot, dict(turns=2), "turns is given, and the model has a period"),
+        (pulled, dict(section="x"), "which goes on with the spring's far end"),
+        (pulled, dict(turns=0), "turns = 0"),
+    ]:
+        with pytest.raises(ss.InputError, match=said):
+            ss.periodic_orbit(model, **more)
 
 
 def test_two_blocks_on_a_belt_come_back_as_their_run_says():

@@ -61,6 +61,13 @@ def test_the_cycle_of_a_run_is_that_of_scipy():
     assert ss.solve(POL, start=orbit.state, duration=T).at(orbit.events[0].t)["v"] == pytest.approx(v, rel=1e-9)
 
 
+def test_a_cycle_begins_on_the_section_that_is_asked_for():
+    orbit = ss.periodic_orbit(POL, section=("v", 0.5, 1), turns=2)
+    assert orbit.state[1] == pytest.approx(0.5, abs=1e-12) and orbit.duration == pytest.approx(cycle()[0], rel=1e-9)
+    branch = ss.continuation(POL, parameter="r", start=0.6, stop=0.62, section=("v", 0.5, 1), step=0.5)
+    np.testing.assert_allclose([each.state[1] for each in branch.orbits], 0.5, atol=1e-10)
+
+
 def test_one_exponent_is_zero_and_the_other_that_of_the_multiplier():
     T, _, multiplier = cycle()
     spectrum = ss.lyapunov(POL, periods=40, settle=40).spectrum

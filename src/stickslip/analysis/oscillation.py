@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.analysis.run_segments import WatchedContact, segments_within, watched_contacts
+from stickslip.analysis.section_choice import cut_of, passages
 from stickslip.basics.arguments import described_as
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
@@ -46,13 +47,14 @@ class ContactOscillation:
 class Oscillation(Drawn):
     """The motion that a machine without a period ends in.
 
-    A turn is the time from one passage of a section to the next: the velocity that swings most falls through the middle of its range.
+    A turn is the time from one passage of a section to the next. It is the section of return maps and cycles: a turn of the spring of one
+    body on a spring, else the middle of the range of the position that moves most.
 
     Parameters
     ----------
     type : str
-        "stick-slip" (some contact sticks for a part of the cycle), "slip" (no contact ever sticks), "steady" (no velocity changes), or "not
-        settled": then all other numbers are those of the last turn, or NaN where there was none.
+        "stick-slip" (some contact sticks for a part of the cycle), "slip" (no contact ever sticks), "oscillation" (there is no contact),
+        "steady" (no velocity changes), or "not settled": then all other numbers are those of the last turn, or NaN where there was none.
     period : int or None
         Turns until it repeats, 1 to 16; None of what does not repeat within the run, or is steady.
     duration : float
@@ -163,8 +165,8 @@ def oscillation(run: Trajectory, slip_ratio: float, dwell: float) -> Oscillation
     swings = np.ptp(v, axis=0)
     if swings.max() <= _STEADY * float(np.max(machine_of(run.model).velocity_scale)):
         return _of_stretch(run, "steady", None, float(late[0]), end, 0.0, slip_ratio, dwell)
-    body = int(np.argmax(swings))
-    returns = returns_of(run, late, v[:, body], body)
+    returns = passages(run, cut_of(run))
+    returns = returns[returns >= late[0]]
     if len(returns) < 2:
         return _of_stretch(run, "not settled", None, float(late[0]), end, np.nan, slip_ratio, dwell)
     turns, change = _repeats(run, returns, v)
@@ -182,15 +184,6 @@ def oscillation_of_cycle(run: Trajectory, turns: int, change: float) -> Oscillat
 def _velocities(run: Trajectory, t: Array) -> Array:
     """Velocities of the bodies at some instants (time, body)."""
     return np.asarray(run.at(t)["v"], float)
-
-
-def returns_of(run: Trajectory, t: Array, v: Array, body: int) -> Array:
-    """The instants at which the velocity of a body falls through the middle of its range, from its values at some instants."""
-    middle = 0.5 * (v.min() + v.max())
-    where = np.flatnonzero((v[:-1] > middle) & (v[1:] <= middle))
-    if not len(where):
-        return np.zeros(0)
-    return np.asarray(bisected(lambda s: _velocities(run, s)[:, body] > middle, t[where], t[where + 1], _HALVINGS)[1])
 
 
 def _repeats(run: Trajectory, returns: Array, v: Array) -> tuple[int | None, float]:
@@ -227,7 +220,8 @@ def _of_stretch(
     names = [body.name for body in layout.bodies]
     contacts = {name: _contact(each, begin, end, slip_ratio, dwell) for name, each in watched_contacts(run).items()}
     if not kind:
-        kind = "stick-slip" if any(each.stick_fraction > 0 for each in contacts.values()) else "slip"
+        sticks = any(each.stick_fraction > 0 for each in contacts.values())
+        kind = "stick-slip" if sticks else "slip" if contacts else "oscillation"
     m = machine_of(run.model).mechanics
     rates = m.coordinates_of(tuple(drift))
     mean = float(sum(float(share) * rate for share, rate in zip(m.shares, rates, strict=True)))

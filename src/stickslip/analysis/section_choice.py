@@ -80,6 +80,15 @@ def asked_of(what: str, section: Any, names: tuple[str, ...]) -> Asked:
     return Asked(name, *numbers.tolist())
 
 
+def asked_for(what: str, section: Any, model: Any) -> Asked:
+    """A section of a model as users type it; refused is a position that goes on with the far end of the spring that pulls it."""
+    asked = asked_of(what, section, state_names(model))
+    if asked.name in (None, "v") or is_flow(model) or not machine_of(model).is_single or not np.any(machine_of(model).far_end_velocity):
+        return asked
+    mistake = f"section = {asked.name!r}, which goes on with the spring's far end"
+    raise InputError(what, [f"{mistake}; allowed is the velocity; type section=('v', 0.0)"])
+
+
 def state_names(model: Any) -> tuple[str, ...]:
     """Names of the states of a model by which a section may be cut: of a machine its velocities and positions."""
     if is_flow(model):
@@ -109,7 +118,8 @@ def cut_of(run: Any, asked: Asked | None = None) -> Cut:
     v falls through 0
     """
     asked = Asked() if asked is None else asked
-    if asked.name is None and not is_flow(run.model) and machine_of(run.model).is_single:
+    free = asked.name in (None, "v") and asked.value is None
+    if free and not is_flow(run.model) and machine_of(run.model).is_single:
         return Cut("v", float(np.max(machine_of(run.model).far_end_velocity)), -1.0)
     t = np.unique(run.t)
     late = t[t >= 0.5 * (t[0] + t[-1])]

@@ -208,6 +208,8 @@ def continuation(
     stop: float,
     period: int | None = None,
     guess: Any = None,
+    section: Any = None,
+    turns: int | None = None,
     step: float = 0.02,
     points: int = 400,
     rtol: float = RTOL,
@@ -230,6 +232,8 @@ def continuation(
         Drive periods after which the motions repeat, 1 if not given; without a period turns, as many as the run shows.
     guess : optional
         As for `periodic_orbit`, at `start`.
+    section, turns : optional
+        As for `periodic_orbit`, of models without a period.
     step : float
         First step, in the scaled space of state and parameter where start to stop is 1; it is adapted.
     points : int
@@ -273,7 +277,7 @@ def continuation(
     robots, own = family("continuation", make, (parameter,), fixed), checked_events("continuation", events)
     start, stop = _check(robots, start, stop, step, points)
     report = reporting(progress, "continuation")
-    first = periodic_orbit(robots.robot(start), period, guess, rtol=rtol)
+    first = periodic_orbit(robots.robot(start), period, guess, section=section, turns=turns, rtol=rtol)
     path = path_of(robots, first, float(start), abs(float(stop) - float(start)), first.period)
     root = path.at_value(path.scaled(first, start), start, path.remembered(first))
     if not root.good:

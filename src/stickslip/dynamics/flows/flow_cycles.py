@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.analysis.section_choice import Asked
+from stickslip.analysis.section_choice import asked_for
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import SolveError
 from stickslip.dynamics.flows.flow_orbits import FlowOrbit, closed_once, touches
@@ -60,7 +60,7 @@ def cycle_at(flow: Any, strobe_state: Array, duration: float, residual: float, s
     return FlowOrbit(y, mode, duration, multipliers, residual, done, touched, flow, turns, section)
 
 
-def cycle_shown(flow: Any, period: int | None, guess: Any) -> FlowOrbit:
+def cycle_shown(flow: Any, period: int | None, guess: Any, section: Any = None) -> FlowOrbit:
     """The cycle to which a guess leads, or that a run shows.
 
     Parameters
@@ -69,12 +69,15 @@ def cycle_shown(flow: Any, period: int | None, guess: Any) -> FlowOrbit:
         Turns after which it repeats; as many as the run shows if not given.
     guess : dict, array, FlowRun or FlowOrbit, optional
         Of an orbit the duration is taken too. If not given, the first start that oscillates.
+    section : str or tuple, optional
+        As for `periodic_orbit`.
     """
-    at = coordinates(flow)
+    at, asked = coordinates(flow), asked_for("periodic_orbit", section, flow)
     if isinstance(guess, FlowOrbit):
-        return cycle_of_flow(flow, guess.strobe_state, guess.duration, on_section(flow, at, states=guess.strobe_state[None, :]))
+        looked = on_section(flow, at, section=section, states=guess.strobe_state[None, :], what="periodic_orbit")
+        return cycle_of_flow(flow, guess.strobe_state, guess.duration, looked)
     begun = states_of(guess, flow)
-    shown = shown_by_a_run(flow, at, Asked(), begun, only=guess is not None)
+    shown = shown_by_a_run(flow, at, asked, begun, only=guess is not None)
     if not shown.oscillates:
         end = f"{float(shown.run.nodes[-1]):.6g}"
         raise SolveError(f"no cycle was found: in {end} the run comes to rest; give guess=, a start, run or orbit that leads to a cycle")

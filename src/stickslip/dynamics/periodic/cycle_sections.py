@@ -61,7 +61,7 @@ class Section:
         T = U[:, -1] * unit
         good = np.isfinite(T) & (T > 0)
         ends = flow_map(model, self.states(model, at, U, memory), np.where(good, T, 1.0), rtol).state.copy()
-        if self.turns:
+        if machine_of(model).is_single:
             ends[:, 0] -= far_end(model) * T
         return np.where(good[:, None], ends, np.nan)
 
@@ -92,7 +92,7 @@ def states_of_returns(run: Trajectory, t: Array) -> Array:
     for instant in t:
         state = state_at(run, float(instant))
         if single:
-            state = np.concatenate([[state[0] - far_end(run.model) * instant, far_end(run.model)], state[2:]])
+            state = np.concatenate([[state[0] - far_end(run.model) * instant], state[1:]])
         piece = min(int(np.searchsorted(run.pieces.t, instant, side="right")) - 1, len(run.pieces.mode) - 1)
         states.append(np.concatenate([state, np.ravel(np.asarray(run.pieces.memory[piece], float))]))
     return np.array(states)

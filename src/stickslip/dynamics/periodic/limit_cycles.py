@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.analysis.oscillation import Oscillation, oscillation_of_cycle
-from stickslip.analysis.section_choice import cut_of, passages
+from stickslip.analysis.section_choice import Asked, asked_for, cut_of, passages
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, SolveError
 from stickslip.basics.frozen_arrays import sealed
@@ -125,12 +125,14 @@ class LimitCycle(ClosedMotion):
 
     @property
     def type(self) -> str:
-        """Kind of cycle: "stick-slip", "slip" or "reversing".
+        """Kind of cycle: "stick-slip", "slip", "reversing" or "oscillation".
 
         Stick-slip: a contact rests, or, under a dynamic law, its velocity passes zero. Slip: all slide on one side. Reversing: on
-        both, without rest.
+        both, without rest. Oscillation: there is no contact.
         """
         patterns = self.patterns.values()
+        if not patterns:
+            return "oscillation"
         if any("0" in pattern for pattern in patterns):
             return "stick-slip"
         if all(len(pattern) == 1 for pattern in patterns):
@@ -147,7 +149,9 @@ class LimitCycle(ClosedMotion):
 
 
 @interruptible
-def limit_cycle(model: Model, period: int | None = None, guess: Any = None, *, rtol: float = 1e-12, tolerance: float = 1e-12) -> LimitCycle:
+def limit_cycle(
+    model: Model, period: int | None = None, guess: Any = None, *, section: Any = None, rtol: float = 1e-12, tolerance: float = 1e-12
+) -> LimitCycle:
     """A limit cycle of a mechanism without a drive, stable or unstable, by Newton's method for its state and its duration.
 
     Parameters
@@ -159,6 +163,8 @@ def limit_cycle(model: Model, period: int | None = None, guess: Any = None, *, r
         repeats after fewer is given with its own number, and a note.
     guess : dict, Trajectory or LimitCycle, optional
         A start that leads to it, a run that ends on it, or a cycle nearby; if not given, a run from rest.
+    section : str or tuple, optional
+        Where it is cut, as for `periodic_orbit`; as the run shows it if not given, and of a cycle nearby as that is cut.
     rtol, tolerance : float
         Of the runs, and of the residual in scales.
 
@@ -175,7 +181,7 @@ def limit_cycle(model: Model, period: int | None = None, guess: Any = None, *, r
     >>> round(cycle.mean_velocity, 12), round(cycle.duration, 10)  # the same cycle, seen from the ground
     (0.1, 7.6112592541)
     """
-    state, duration, section, period = _guessed(model, period, guess)
+    state, duration, section, period = _guessed(model, period, guess, asked_for("periodic_orbit", section, model))
     at, unit = coordinates(model), clock(model)
 
     def problem(memory: Array) -> Any:
@@ -220,38 +226,55 @@ def clock(model: Model) -> float:
 
 
 # ---- guesses ----
-def _guessed(model: Model, period: int | None, guess: Any) -> tuple[Array, float, Section, int]:
+def _guessed(model: Model, period: int | None, guess: Any, asked: Asked) -> tuple[Array, float, Section, int]:
     """A state on the section, how long it takes to come back, and after how many turns."""
+    if isinstance(guess, LimitCycle) and asked.name is not None:
+        return _cut_elsewhere(guess, period, asked)
     if isinstance(guess, LimitCycle):
         return guess.state, guess.duration, guess.section, guess.period if period is None else period
     if machine_of(model).time_scale is None:
         raise InputError(type(model).__name__, ["it has neither a period nor a time_scale, so the time to search for a cycle is not known"])
     if hasattr(guess, "pieces"):
-        return _last_turn(guess, period)
+        return _last_turn(guess, period, asked)
     if isinstance(guess, (list, np.ndarray)) and np.shape(guess) == (len(coordinates(model).names),):
         guess = coordinates(model).start(np.asarray(guess, float))
     if guess is not None and not isinstance(guess, dict):
         mistake = f"guess = {guess!r}; allowed is a start, a run or a cycle; type guess=dict(x=0.5), or leave it out"
         raise InputError("periodic_orbit", [mistake])
-    return _last_turn(_settled(model, guess), period)
+    return _last_turn(_settled(model, guess, asked), period, asked)
 
 
-def _settled(model: Model, start: Any) -> Any:
+def _cut_elsewhere(cycle: LimitCycle, period: int | None, asked: Asked) -> tuple[Array, float, Section, int]:
+    """A cycle as it begins on another section: twice around it passes that twice as often."""
+    from stickslip.solvers import solve
+
+    run = solve(cycle.model, duration=2 * cycle.duration, start=cycle.start, keep="trajectory")
+    cut = cut_of(run, asked)
+    t = passages(run, cut)
+    t = t[t >= 0.5 * cycle.duration]
+    if not len(t):
+        raise SolveError(f"the cycle that is given does not pass {cut}; give another section, such as section={asked.name!r}")
+    turns = max(1, int(np.sum(t <= t[0] + (1.0 - _EARLIER) * cycle.duration)))
+    state = states_of_returns(run, t[:1])[0]
+    return state, cycle.duration * (period or turns) / turns, section_of(cycle.model, cut), period or turns
+
+
+def _settled(model: Model, start: Any, asked: Asked) -> Any:
     """A run from a start that is long enough; that of a machine with slow states goes on until it repeats, or has taken long."""
     from stickslip.solvers import solve
 
     options: dict[str, Any] = {"rtol": 1e-8} if machine_of(model).has_inner_states else {}
     for longer in (1,) if machine_of(model).is_single else _LONGER:
         run = solve(model, duration=longer * _SETTLING * clock(model), start=start, samples=longer * _SAMPLES, **options)
-        t = passages(run, cut_of(run))
+        t = passages(run, cut_of(run, asked))
         if len(t) > 2 and coordinates(model).distance(*states_of_returns(run, t[-2:])) < _REPEATS:
             break
     return run
 
 
-def _last_turn(run: Trajectory, period: int | None) -> tuple[Array, float, Section, int]:
+def _last_turn(run: Trajectory, period: int | None, asked: Asked) -> tuple[Array, float, Section, int]:
     """The last state of a run on the section, and how long its last turns took."""
-    cut = cut_of(run)
+    cut = cut_of(run, asked)
     t = passages(run, cut)
     speed = coordinates(run.model).speed
     if period is None:

@@ -24,6 +24,7 @@ from stickslip.dynamics.periodic.drifting import drift_sentence
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle, limit_cycle
 from stickslip.dynamics.periodic.newton import STEP, Root, newton_within
+from stickslip.dynamics.stroboscopic.chosen_sections import check_section
 from stickslip.dynamics.stroboscopic.differences import at_limits, beyond_limits, difference_jacobian
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import (
@@ -202,7 +203,14 @@ def periodic_orbit(model: Model, *arguments: Any, **more: Any) -> PeriodicOrbit 
 @explains_arguments
 @interruptible
 def periodic_orbit(
-    model: Model, period: int | None = None, guess: Any = None, *, rtol: float = RTOL, tolerance: float = 1e-12
+    model: Model,
+    period: int | None = None,
+    guess: Any = None,
+    *,
+    section: Any = None,
+    turns: int | None = None,
+    rtol: float = RTOL,
+    tolerance: float = 1e-12,
 ) -> PeriodicOrbit | LimitCycle | FlowOrbit:
     """A periodic motion of a robot or mechanism, stable or unstable, by Newton's method on the strobe map.
 
@@ -219,6 +227,11 @@ def periodic_orbit(
         Initial guess: a start as for `solve`, a strobe state, a run (its last strobe state) or a neighbouring orbit. If not given, the
         robot is run from rest, and the strobe states that return most closely are tried, and their means (which lead to the unstable motion
         between the points of a period-doubled one).
+    section : str or tuple, optional
+        Of models without a period, where the cycle begins and its turns are counted: the name of a state, alone or with the value that it
+        passes and the direction (1 rises, -1 falls), such as ``("v", 0.0, -1)``. If not given, what the run shows.
+    turns : int, optional
+        Of models without a period, how many returns to the section count as one; without `period` the cycle repeats after so many.
     rtol : float
         Tolerance of the strobe map for dynamic laws.
     tolerance : float
@@ -240,6 +253,14 @@ def periodic_orbit(
     >>> orbit = ss.periodic_orbit(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, mu0=0.04), period=1)
     >>> orbit.stable, round(float(orbit.multipliers[0]), 4)  # the motion exists, but period two attracts
     (False, -2.625)
+
+    The cycle of a block on a belt from where it slides back through x = 0.5 m:
+
+    >>> law = ss.Coulomb(1.0, 1.0, f_plus=1.5, f_minus=1.5)
+    >>> belt = ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=law)
+    >>> cycle = ss.periodic_orbit(belt, section=("x", 0.5, -1))
+    >>> round(float(cycle.state[0]), 12), round(cycle.duration, 10), cycle.period
+    (0.5, 7.6112592541, 1)
     """
     autonomous = is_machine(model) and model.period is None
     needs_model("periodic_orbit", model, driven=not autonomous, flows=True, sections=True)
@@ -247,10 +268,13 @@ def periodic_orbit(
     if period is not None:
         problems.whole("period", period, 1, example=1, what=" of drive periods")
     problems.check()
+    check_section("periodic_orbit", model, section, turns)
+    if turns is not None:
+        period = int(turns) * (1 if period is None else int(period))
     if autonomous:
-        return limit_cycle(model, period, guess, rtol=rtol, tolerance=tolerance)
+        return limit_cycle(model, period, guess, section=section, rtol=rtol, tolerance=tolerance)
     if model.period is None:
-        return cycle_shown(model, period, guess)
+        return cycle_shown(model, period, guess, section)
     period = 1 if period is None else int(period)
     if is_flow(model):
         return _orbit_of_flow(model, period, guess)

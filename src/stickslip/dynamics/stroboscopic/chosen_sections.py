@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.analysis.section_choice import Asked, Cut, asked_of, cut_of, passages, state_names, states_in
+from stickslip.analysis.section_choice import Asked, Cut, asked_for, cut_of, passages, states_in
 from stickslip.basics.batch import cases_of
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems, StickslipError
@@ -64,16 +64,10 @@ def on_section(
     ('v', 0.0, -1.0)
     """
     at = coordinates(model) if at is None else at
+    check_section(what, model, section, turns)
     if model.period is not None:
-        if section is not None or turns != 1:
-            given = "section" if section is not None else "turns"
-            allowed = "allowed is a machine or flow without a period; its motions are looked at once in each drive period"
-            raise InputError(what, [f"{given} is given, and the model has a period; {allowed}; leave {given} out"])
         return at
-    problems = Problems(what)
-    problems.whole("turns", turns, 1, example=1)
-    problems.check()
-    asked, one = asked_of(what, section, state_names(model)), cases_of(model)[0]
+    asked, one = asked_for(what, section, model), cases_of(model)[0]
     begun: Any = None
     values: Any
     if turning := _where_the_spring_turns(model, asked):
@@ -87,6 +81,18 @@ def on_section(
         values = _middles(model, at, cut, lasting, *_begun(model, states, groups, shown)) if many else cut.value
     index = at.names.index(cut.name)
     return replace(at, section=ReturnSection(cut.name, index, values, cut.direction, longest, int(turns), begun))
+
+
+def check_section(what: str, model: Any, section: Any, turns: Any) -> None:
+    """`InputError` where a section or turns are given for a model with a period, or turns that are no number of returns."""
+    if model.period is None:
+        problems = Problems(what)
+        problems.whole("turns", 1 if turns is None else turns, 1, example=1)
+        problems.check()
+    elif section is not None or turns not in (None, 1):
+        given = "section" if section is not None else "turns"
+        allowed = "allowed is a machine or flow without a period; its motions are looked at once in each drive period"
+        raise InputError(what, [f"{given} is given, and the model has a period; {allowed}; leave {given} out"])
 
 
 def _begun(model: Any, states: Any, groups: Any, shown: Shown) -> tuple[Array, Array]:
@@ -103,9 +109,6 @@ def _where_the_spring_turns(model: Any, asked: Asked) -> tuple[Cut, Any] | None:
     far, longest = np.asarray(machine.far_end_velocity, float), LONGEST_RETURN * np.asarray(machine.time_scale, float)
     if asked.value is None and asked.name in (None, "v"):
         return Cut("v", far, -1.0), longest  # type: ignore[arg-type]
-    if asked.name != "v" and np.any(far):
-        mistake = f"section = {asked.name!r}, which goes on with the spring's far end"
-        raise InputError("section", [f"{mistake}; allowed is the velocity; type section=('v', 0.0)"])
     return None
 
 
