@@ -22,6 +22,7 @@ import stickslip as ss
 from stickslip.engine import emit, lanes, slaved, tableaux
 from stickslip.solvers.lane_tables import CaseTable
 from stickslip.solvers.request import request
+from stickslip.solvers.settings import Settings
 
 CALLS = 20_000
 
@@ -60,7 +61,7 @@ def in_expression(node: ast.AST, known: dict[str, int]) -> int:
 def called(robot: ss.Robot, method: object) -> tuple[float, int]:
     """Seconds of a call for sixteen robots, and operations of a lane in it."""
     kernel = lanes.kernel_of(robot, method, False)
-    todo = request(robot, 2, 0, 1e-6, None, 1, "summary", 200, "auto", 0.75, 0.03, None, {})
+    todo = request(robot, Settings(periods=2, settle=0, keep="summary"))
     table, held = CaseTable(robot, kernel, todo.start, todo.span), []
     room = lanes._aligned
     lanes._aligned = lambda count: held.append(room(count)) or held[-1]

@@ -21,6 +21,7 @@ from stickslip.maths import exp, where
 from stickslip.solvers import series
 from stickslip.solvers.lane_tables import CaseTable
 from stickslip.solvers.request import request
+from stickslip.solvers.settings import Settings
 
 EIGHT = slaved.SERIES[0][1]
 
@@ -56,7 +57,7 @@ class Mapped:
 
     def __init__(self, robot, settled=20):
         self.robot, kernel = robot, lanes.kernel_of(robot, tableaux.RODAS5P, False)
-        todo = request(robot, max(settled, 1), 0, 1e-6, None, 1, "summary", 200, "auto", 0.75, 0.03, None, {})
+        todo = request(robot, Settings(periods=max(settled, 1), settle=0, keep="summary"))
         self.table = CaseTable(robot, kernel, todo.start, todo.span)
         self.start = self.table.start
         if settled:

@@ -17,6 +17,7 @@ from rows import each_row
 from stickslip.analysis.phases import two_phase
 from stickslip.solvers import stepping
 from stickslip.solvers.request import request
+from stickslip.solvers.settings import Settings
 from twins import StickSlip
 
 HARMONIC = ss.Harmonic(amplitude=2.0, omega=1.0)
@@ -33,7 +34,7 @@ def dry(plus, minus, f_plus=None, f_minus=None):
 
 def taylor(model, periods, **start):
     """The Taylor arcs also of a robot that has closed ones."""
-    return stepping.run(request(model, periods, None, 1e-9, start, 1, None, 4, "auto", 0.75, 0.03, None, {}), None, 1e-9)
+    return stepping.run(request(model, Settings(periods=periods, rtol=1e-9, start=start, samples=4)), None, 1e-9)
 
 
 def closed(model, periods, **start):

@@ -22,13 +22,13 @@ from typing import Any, Literal, overload
 
 from stickslip.basics.arguments import Model, explains_arguments
 from stickslip.basics.interruption import accept_part, interruptible, is_asked_to_end, taking_some_cases
-from stickslip.models.switching_flow import is_flow
 from stickslip.results.summary import Summary
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers.methods import METHODS, method_for
 from stickslip.solvers.request import request
+from stickslip.solvers.settings import Settings
 
-__all__ = ["METHODS", "solve"]
+__all__ = ["METHODS", "solve", "solved"]
 
 
 @overload
@@ -117,17 +117,34 @@ def solve(
     >>> f"{ss.mean_velocity(run):.6f} m/s"
     '0.002032 m/s'
     """
-    if is_flow(model):
-        from stickslip.solvers import flow_solving
+    settings = Settings(
+        periods=periods,
+        settle=settle,
+        rtol=rtol,
+        start=start,
+        workers=workers,
+        keep=keep,
+        samples=samples,
+        method=method,
+        slip_ratio=slip_ratio,
+        dwell=dwell,
+        progress=progress,
+        duration=duration,
+        observe=observe,
+        options=options,
+    )
+    return _solved(model, settings)
 
-        of_machines = {"slip_ratio": slip_ratio, "dwell": dwell, "observe": observe}
-        return flow_solving.solve(
-            model, periods, settle, start, keep, samples, method, progress, duration, options, rtol, workers, of_machines
-        )
+
+@interruptible
+def solved(model: Model, settings: Settings) -> Trajectory | Summary:
+    """The same as `solve`, of arguments that travel together."""
+    return _solved(model, settings)
+
+
+def _solved(model: Model, settings: Settings) -> Trajectory | Summary:
     with taking_some_cases():
-        todo = request(
-            model, periods, settle, rtol, start, workers, keep, samples, method, slip_ratio, dwell, progress, options, duration, observe
-        )
+        todo = request(model, settings)
         result = method_for(todo.method, todo.model, bool(todo.observe)).run(todo)
         if todo.partial and is_asked_to_end() and result.interrupted:
             accept_part()

@@ -17,7 +17,7 @@ from stickslip.results.summary import Summary
 from stickslip.solvers import set_valued as exact
 from stickslip.solvers.closed_arcs import Arcs, dimensionless_arcs
 from stickslip.solvers.gather import NEEDED
-from stickslip.solvers.request import Request
+from stickslip.solvers.settings import Request
 
 TOLERANCE = 1e-13  # of 1 + |w|: how well a strobe point must come back (rounding of half a dozen arcs)
 _CHUNK = 16384

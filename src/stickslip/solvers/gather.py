@@ -19,7 +19,8 @@ from stickslip.results.steadiness import STEADY, UNKNOWN, mean_tolerance, steadi
 from stickslip.results.summary import Columns, Summary
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers.part_results import OF_TYPE, RawParts, columns_of_parts, of_own_parts, per_case, typed_contacts
-from stickslip.solvers.request import Request, provenance
+from stickslip.solvers.request import provenance
+from stickslip.solvers.settings import Request
 from stickslip.solvers.stopped import FAILURES, LOST
 
 

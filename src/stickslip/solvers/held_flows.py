@@ -15,8 +15,9 @@ from stickslip.engine.held_lane import HeldLane, Side
 from stickslip.models.switching_flow import SwitchingFlow
 from stickslip.results.flow_run import ModeChange
 from stickslip.solvers import flow_engine
-from stickslip.solvers.flow_solving import asked_of
+from stickslip.solvers.flow_requests import flow_request
 from stickslip.solvers.held_cases import Standing, times_of
+from stickslip.solvers.settings import Settings
 
 _RTOL = 1e-9  # no step of a flow depends on it
 _NOBODY = np.zeros(0, bool)
@@ -46,9 +47,9 @@ class FlowCase:
             raise InputError("simulation", [f"the flow is a batch of shape {shape}; allowed is one case; type ss.solve(flow) for a batch"])
         self.asked = {"start": start, "rtol": _RTOL, "method": method, "mode": mode}
         options = {} if mode is None else {"mode": mode}
-        asked = asked_of(flow, None, None, start, "trajectory", 4, method, 1.0, options)
+        asked = flow_request(flow, Settings(start=start, keep="trajectory", samples=4, method=method, duration=1.0, options=options))
         self.model, self._labels, self.unit = flow, list(flow.modes), None if flow.period is None else float(flow.period)
-        self._y, self._mode, self._n = asked.states, asked.mode, asked.states.shape[1]
+        self._y, self._mode, self._n = asked.start, asked.mode, asked.start.shape[1]
         self._equations, self.kernel, self._names = flow_engine.flow_kernel(asked.equations, record=True)
         self._known = flow.names(self._n)
 

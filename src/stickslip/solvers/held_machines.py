@@ -28,6 +28,7 @@ from stickslip.solvers.lane_tables import CaseTable
 from stickslip.solvers.local_steps import WRITTEN_OUT
 from stickslip.solvers.methods import method_for
 from stickslip.solvers.request import request
+from stickslip.solvers.settings import Settings
 from stickslip.solvers.stepping import budget_of
 from stickslip.solvers.time_dependence import check_period
 
@@ -50,8 +51,8 @@ class MachineCase:
     def __init__(self, machine: Model, start: Any, rtol: float, method: str):
         _check_machine(machine)
         self._forces, self.is_pushed = {name: _FORCE + number for name, number in force_names(machine).items()}, False
-        length = {"periods": 1, "duration": None} if machine.period is not None else {"periods": None, "duration": 1.0}
-        todo = request(machine, length["periods"], None, rtol, start, 1, None, 4, method, 0.75, 0.03, None, {}, length["duration"])
+        length = Settings(periods=1) if machine.period is not None else Settings(duration=1.0)
+        todo = request(machine, replace(length, rtol=rtol, start=start, samples=4, method=method))
         self._todo, self._start = todo, todo.start
         self.asked = {"start": start, "rtol": rtol, "method": method, "mode": None}
         check_period(machine, todo.machine)

@@ -24,7 +24,7 @@ from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import stopped, strobes
 from stickslip.solvers.gather import RawResults, gather, trajectory
 from stickslip.solvers.part_results import nothing as no_parts
-from stickslip.solvers.request import Request
+from stickslip.solvers.settings import Request
 
 #: Contacts up to which equations are written out: more are rows of a table.
 WRITTEN_OUT = 16

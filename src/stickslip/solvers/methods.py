@@ -15,13 +15,14 @@ from stickslip.engine.refused import refusal_of
 from stickslip.engine.remembered import Remembered
 from stickslip.engine.tableaux import TABLEAUX
 from stickslip.models.machine_adapter import machine_of
+from stickslip.models.switching_flow import is_flow
 
 if TYPE_CHECKING:
     from stickslip.engine.slaved import Series
     from stickslip.engine.tableaux import Tableau
     from stickslip.results.summary import Summary
     from stickslip.results.trajectory import Trajectory
-    from stickslip.solvers.request import Request
+    from stickslip.solvers.settings import Request
 
 
 class Method(Protocol):
@@ -230,6 +231,26 @@ class IndependentJudge:
         return plain.solve(todo)
 
 
+@dataclass(frozen=True)
+class SwitchedSteps:
+    """Flows that switch: Taylor steps from switch to switch, exact to rounding."""
+
+    title: str = "Taylor steps of flows"
+    names: tuple[str, ...] = ("auto", "exact")
+    observes: bool = False
+    pauses: bool = True
+
+    def accepts(self, model: Model) -> str | None:
+        """What declares fields and switches."""
+        return None if is_flow(model) else "it is for flows that switch"
+
+    def run(self, todo: Request) -> Trajectory | Summary:
+        """Case by case."""
+        from stickslip.solvers import flow_solving
+
+        return flow_solving.run(todo)
+
+
 _BLIND = "it evaluates no functions of the state: observe is for the compiled methods"
 _ENDLESS = "it does not pause between two steps of a caller's"
 #: In the order in which they are asked.
@@ -239,6 +260,7 @@ ALL: tuple[Method, ...] = (
     *(_STEPPING := (TaylorSteps(), TaylorSeries(), Rosenbrock())),
     *(_ALONE := (RungeKutta(), IndependentJudge())),
 )
+_OF_FLOWS = SwitchedSteps()
 #: Names for `method=`; "auto" takes the exact solver for set-valued laws, else Taylor series where they know the law, or Rodas4 or
 #: Rodas5P by tolerance.
 METHODS = tuple(dict.fromkeys(name for method in ALL for name in method.names))
@@ -261,7 +283,7 @@ _refusals: Remembered[str | None] = Remembered()
 
 def _refusal(method: Method, model: Model) -> str | None:
     """The answer of `accepts`; for methods whose text depends on the kind it depends on the kind only, and is cached."""
-    if isinstance(method, (ClosedArcs, LocalSteps, IndependentJudge)):
+    if isinstance(method, (ClosedArcs, LocalSteps, IndependentJudge, SwitchedSteps)):
         return method.accepts(model)
     from stickslip.engine.kinds import known_kind
 
@@ -281,7 +303,7 @@ def method_for(name: str, model: Model, observed: bool = False, pauses: bool = F
     ('TaylorSeries', 'ClosedArcs')
     """
     refusals = {}
-    for method in ALL:
+    for method in (_OF_FLOWS,) if is_flow(model) else ALL:
         if name in method.names:
             reason = _BLIND if observed and not method.observes else _ENDLESS if pauses and not method.pauses else _refusal(method, model)
             if reason is None:

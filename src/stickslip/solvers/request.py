@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import inspect
-import platform
-import sys
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from dataclasses import fields
+from typing import Any
 
 import numpy as np
 
-from stickslip.basics.batch import Labels, labels_together, of_cases, spread_over_cases
+from stickslip.basics.batch import Labels, labels_together, spread_over_cases
 from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError, Problems, did_you_mean, is_one_of, is_whole
 from stickslip.basics.fields import leaves, number
@@ -23,63 +18,21 @@ from stickslip.basics.variables import VARIABLES, unit_of
 from stickslip.engine.kinds import check_functions
 from stickslip.models.forces import inner_start
 from stickslip.models.friction.law_adapter import law_of
-from stickslip.models.machine_adapter import MachineAdapter, is_machine, machine_of
-from stickslip.models.observables import Observable, checked_observables
+from stickslip.models.machine_adapter import is_machine, machine_of
+from stickslip.models.observables import checked_observables
+from stickslip.models.switching_flow import is_flow
 from stickslip.solvers.initial_states import start_of_parts
 from stickslip.solvers.methods import METHODS
-
-if TYPE_CHECKING:
-    from stickslip.basics.progress import Reported
+from stickslip.solvers.settings import Request, Settings, check_duration, check_keep, check_rtol, versions
 
 
-@dataclass(frozen=True, eq=False)
-class Request:
-    """Arguments of `solve` in their final form."""
-
-    model: Any
-    labels: Labels
-    periods: int
-    settle: int
-    auto: bool
-    rtol: float
-    start: Any  # (cases, 2 coordinates + inner states + memories): positions, velocities, inner states, memories of the laws
-    given_start: dict[str, Any]
-    workers: int
-    keep: str
-    samples: int
-    method: str
-    slip_ratio: float
-    dwell: float
-    progress: Callable[[int, int], Any]  # cases begun, cases
-    options: dict[str, Any]
-    duration: float | None  # [s], where it was given
-    span: Any  # (cases,): time of one period [s]: the model's, or the duration if it has none
-    observe: tuple[tuple[str, Observable], ...] = ()
-    numbers: dict[str, Any] = field(default_factory=dict)  # of the model
-    partial: bool = False  # whether an interruption ends it with what is done
-
-    @property
-    def cases(self) -> int:
-        """Number of cases."""
-        return self.labels.cases
-
-    def numbers_of(self, cases: slice = slice(None)) -> dict[str, Any]:
-        """The model's numbers in some cases, as `stickslip.basics.batch.numbers_by_name` gives them."""
-        return of_cases(self.numbers, self.labels, cases)
-
-    @cached_property
-    def machine(self) -> MachineAdapter:
-        """The model, to be asked for what not every machine has."""
-        return machine_of(self.model)
-
-
-def request(
-    model: Model, periods: Any, settle: Any, rtol: Any, start: Any, workers: Any, keep: Any, samples: Any,
-    method: Any, slip_ratio: Any, dwell: Any, progress: Reported | bool | None, options: dict[str, Any],
-    duration: Any = None, observe: Any = None,
-) -> Request:  # fmt: skip
+def request(model: Model, settings: Settings) -> Request:
     """Check the arguments of `solve`; everything wrong with them is reported at once."""
-    problems = Problems("solve")
+    if is_flow(model):
+        from stickslip.solvers.flow_requests import flow_request
+
+        return flow_request(model, settings)  # type: ignore[arg-type]
+    given, problems = settings, Problems("solve")
     if not is_machine(model):
         raise InputError(
             "solve",
@@ -90,33 +43,48 @@ def request(
         )
     numbers = _numbers_of(model, problems)
     check_functions(model)
-    labels, duration = labels_together(numbers, type(model).__name__), in_seconds(duration, problems)
-    periods = _periods(model, labels, periods, settle, duration, problems)
+    labels, duration = labels_together(numbers, type(model).__name__), in_seconds(given.duration, problems)
+    periods = _periods(model, labels, given.periods, given.settle, duration, problems)
     problems.whole("periods", periods, 1, example=200)
-    problems.whole("workers", workers, 1, example=2)
-    problems.whole("samples", samples, 4, example=200)
-    auto = is_one_of(settle, ("auto",))
+    problems.whole("workers", given.workers, 1, example=2)
+    problems.whole("samples", given.samples, 4, example=200)
+    settle, auto = given.settle, is_one_of(given.settle, ("auto",))
     if settle is not None and not auto and (not is_whole(settle) or settle < 0 or (is_whole(periods) and settle >= periods)):
         allowed = f'a whole number from 0 below periods = {periods!r}, None or "auto"'
         problems.add(f"settle = {settle!r}; allowed is {allowed}; type for example settle=100")
-    _check_thresholds(rtol, slip_ratio, dwell, problems)
-    _check_names(labels, keep, method, options, problems)
-    states = _start_states(model, labels, start, problems)
+    _check_thresholds(given, problems)
+    _check_names(labels, given, problems)
+    states = _start_states(model, labels, given.start, problems)
     problems.check()
-    progress = reporting(progress, "solve")
-    keep = keep or ("summary" if labels.shape else "trajectory")
-    observed = checked_observables("solve", observe, VARIABLES)
+    keep = given.keep or ("summary" if labels.shape else "trajectory")
+    observed = checked_observables("solve", given.observe, VARIABLES)
     if observed and keep == "trajectory":
         raise InputError("solve", ["observe makes columns of a batch, and this is one run; type run.at(t) for its columns at any time"])
-    periods, span = int(periods), spread_over_cases(float(duration) if model.period is None else model.period, labels)
-    _check_size(keep, periods, int(samples))
-    settled = periods // 2 if settle is None or auto else int(settle)
+    periods = int(periods)
+    _check_size(keep, periods, int(given.samples))
     return Request(
-        model, labels, periods, settled, auto, float(rtol), states, dict(start or {}),
-        int(workers), keep, int(samples), method, float(slip_ratio), float(dwell), progress, options,
-        None if duration is None else float(duration), span, observed, numbers,
+        model=model,
+        labels=labels,
+        periods=periods,
+        settle=periods // 2 if settle is None or auto else int(settle),
+        auto=auto,
+        rtol=float(given.rtol),
+        start=states,
+        given_start=dict(given.start or {}),
+        workers=int(given.workers),
+        keep=keep,
+        samples=int(given.samples),
+        method=given.method,
+        slip_ratio=float(given.slip_ratio),
+        dwell=float(given.dwell),
+        progress=reporting(given.progress, "solve"),
+        options=given.options,
+        duration=None if duration is None else float(duration),
+        span=spread_over_cases(float(duration) if model.period is None else model.period, labels),
+        observe=observed,
+        numbers=numbers,
         partial=is_outermost() if keep == "trajectory" else takes_some_cases(),
-    )  # fmt: skip
+    )
 
 
 def _numbers_of(model: Model, problems: Problems) -> dict[str, Any]:
@@ -131,15 +99,9 @@ def _numbers_of(model: Model, problems: Problems) -> dict[str, Any]:
     return numbers
 
 
-def check_rtol(rtol: Any, problems: Problems) -> None:
-    """Add a sentence if a relative tolerance is none that the methods can hold."""
-    if not isinstance(rtol, (int, float)) or not 1e-12 <= rtol <= 1e-3:
-        problems.add(f"rtol = {rtol!r}; allowed is 1e-12 to 1e-3; type for example rtol=1e-6")
-
-
-def _check_thresholds(rtol: Any, slip_ratio: Any, dwell: Any, problems: Problems) -> None:
-    check_rtol(rtol, problems)
-    for name, value, below in (("slip_ratio", slip_ratio, 1.0), ("dwell", dwell, 0.5)):
+def _check_thresholds(given: Settings, problems: Problems) -> None:
+    check_rtol(given.rtol, problems)
+    for name, value, below in (("slip_ratio", given.slip_ratio, 1.0), ("dwell", given.dwell, 0.5)):
         if not isinstance(value, (int, float)) or not 0.0 < value < below:
             problems.add(f"{name} = {value!r}; allowed is between 0 and {below:g}; type for example {name}={0.75 if below == 1 else 0.03}")
 
@@ -164,16 +126,6 @@ def _periods(model: Model, labels: Labels, periods: Any, settle: Any, duration: 
     return max(int(np.ceil(duration / float(model.period) * (1 - 1e-12))), 1)
 
 
-def check_duration(duration: Any, periods: Any, problems: Problems, unit: str = "") -> bool:
-    """Note a duration that is no time, or given beside periods; whether it is a time."""
-    if periods is not None:
-        problems.add(f"periods = {periods!r} and duration = {duration!r} are both given; allowed is one of them; leave periods out")
-    good = not isinstance(duration, bool) and isinstance(duration, (int, float)) and 0.0 < duration <= LONGEST
-    if not good:
-        problems.add(f"duration = {duration!r}; allowed is a positive time{unit}, up to {LONGEST:.0e}; type for example duration=10.0")
-    return good
-
-
 #: Bytes that a trajectory takes for each sample of its columns, and for each period of dense output (measured, generous).
 SAMPLE, PERIOD, MOST = 130, 25_000, 8e9
 
@@ -190,24 +142,14 @@ def _check_size(keep: str, periods: int, samples: int) -> None:
         )  # fmt: skip
 
 
-def check_keep(keep: Any, labels: Labels, problems: Problems) -> None:
-    """Checks `keep`: the result of a solve, which for a batch is a summary."""
-    if keep is not None and not is_one_of(keep, ("trajectory", "summary")):
-        problems.add(f'keep = {keep!r}; allowed is "trajectory" or "summary"')
-    if is_one_of(keep, ("trajectory",)) and labels.shape:
-        problems.add(
-            f'keep = "trajectory" is for one case and this is a batch of shape {labels.shape}; type keep="summary", or solve one case'
-        )
-
-
-def _check_names(labels: Labels, keep: Any, method: Any, options: dict[str, Any], problems: Problems) -> None:
-    check_keep(keep, labels, problems)
-    if not is_one_of(method, METHODS):
-        problems.add(f"method = {method!r} is not known; {did_you_mean(str(method), METHODS)}")
-    known = ("steps",) if is_one_of(method, ("rk4",)) else ()
-    for name in options:
+def _check_names(labels: Labels, given: Settings, problems: Problems) -> None:
+    check_keep(given.keep, labels, problems)
+    if not is_one_of(given.method, METHODS):
+        problems.add(f"method = {given.method!r} is not known; {did_you_mean(str(given.method), METHODS)}")
+    known = ("steps",) if is_one_of(given.method, ("rk4",)) else ()
+    for name in given.options:
         if name not in known:
-            arguments = [each for each in inspect.signature(request).parameters if each not in ("model", "options")]
+            arguments = [each.name for each in fields(Settings) if each.name != "options"]
             problems.add(f"{name!r} is not an argument of solve; {did_you_mean(name, [*arguments, *known])}")
 
 
@@ -257,7 +199,7 @@ def _start_states(model: Model, labels: Labels, start: Any, problems: Problems) 
     return table
 
 
-LARGEST_START, LONGEST = 1e9, 1e12
+LARGEST_START = 1e9
 #: A position is told from its neighbours by this part of the distance that the drive moves the body in a period, or nearer.
 RESOLVED = 1e-8
 
@@ -278,14 +220,6 @@ def _check_sizes(model: Any, labels: Labels, table: Any, problems: Problems) -> 
         problems.add(
             f"{x}: too far for a motion of {moved[case]:.2g} m in a period; allowed are sizes up to {most:.2g} m; measure x from nearby"
         )
-
-
-def versions() -> dict[str, str]:
-    """Versions of what computes: of Numba where it is at work."""
-    import stickslip
-
-    versions = {"stickslip": stickslip.__version__, "python": platform.python_version(), "numpy": np.__version__}
-    return versions | ({"numba": sys.modules["numba"].__version__} if "numba" in sys.modules else {})
 
 
 def provenance(todo: Request, method: str, tolerance: float | None) -> dict[str, Any]:

@@ -26,7 +26,7 @@ from stickslip.results.summary import Summary
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import strobes
 from stickslip.solvers.gather import RawResults, gather, trajectory
-from stickslip.solvers.request import Request
+from stickslip.solvers.settings import Request
 from stickslip.solvers.time_dependence import check_period
 
 #: Steps per drive period, if none are asked for.

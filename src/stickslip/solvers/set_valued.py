@@ -24,7 +24,7 @@ from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import undriven
 from stickslip.solvers.closed_arcs import Arcs, dimensionless_arcs
 from stickslip.solvers.gather import NEEDED, RawResults, gather, trajectory
-from stickslip.solvers.request import Request
+from stickslip.solvers.settings import Request
 
 Progress = Callable[[int, int], None]  # cases done, cases
 

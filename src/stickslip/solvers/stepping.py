@@ -25,7 +25,7 @@ from stickslip.solvers import stopped
 from stickslip.solvers.gather import RawResults, gather, trajectory
 from stickslip.solvers.lane_tables import CaseTable
 from stickslip.solvers.part_results import RawParts
-from stickslip.solvers.request import Request
+from stickslip.solvers.settings import Request
 from stickslip.solvers.time_dependence import check_period
 
 #: Steps that a case may take: for each period it should run, and in all where there is no period.

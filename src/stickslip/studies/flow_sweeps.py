@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,64 +15,80 @@ from stickslip.basics.interruption import partial_result
 from stickslip.basics.jsontext import as_plain
 from stickslip.basics.pool import shared
 from stickslip.basics.status import STATUS, Status
-from stickslip.solvers.flow_solving import asked_of, check_others, flow_columns
+from stickslip.solvers.flow_requests import flow_request
+from stickslip.solvers.flow_solving import flow_columns
+from stickslip.solvers.settings import Settings, check_rtol
+from stickslip.studies.execution import Execution
 from stickslip.studies.progress import Watch
 from stickslip.studies.space import Space, space_of
 
 if TYPE_CHECKING:
-    from stickslip.basics.progress import Reported
     from stickslip.models.switching_flow import SwitchingFlow
 
 
 _START = "start."
 
 
+#: Arguments of sweeps that are of machines alone.
+_IN_MEMORY, _OF_MACHINES = ("out", "resume", "shard"), ("tile", "client", "retries", "slip_ratio", "dwell", "observe")
+
+
 def sweep_of_flow(
-    flow: Any, designs: Sequence[Any], axes: dict[str, Any], rtol: float, workers: int, progress: Reported | bool | None,
-    of_machines: dict[str, Any], **arguments: Any,
-) -> Any:  # fmt: skip
+    flow: Any, designs: Sequence[Any], axes: dict[str, Any], settings: Settings, how: Execution, along: str | None = None
+) -> Any:
     """The dataset: for each case the result of `solve` with ``keep="summary"``."""
     import xarray as xr
 
-    problems = Problems("sweep")
-    check_others(rtol, workers, of_machines, problems)
-    problems.check()
+    _check(settings, how, along)
     space = space_of(flow, designs, axes)
-    case = _cases(flow, space, arguments)
-    watch, rows = Watch(space.cases, progress), [dict[str, Any]() for _ in range(space.cases)]
+    case = _cases(flow, space, settings)
+    watch, rows = Watch(space.cases, how.progress), [dict[str, Any]() for _ in range(space.cases)]
     with partial_result() as ending:
-        for k, columns in shared(case, range(space.cases), workers):
+        for k, columns in shared(case, range(space.cases), how.workers):
             rows[k] = columns
             watch.finished(k, np.array([columns["status"]]))
     whole = {name: _column(rows, name).reshape(space.shape) for name in next((c for c in rows if len(c) > 1), {"status": 0})}
     data = {name: (space.dims, values, _attributes(name)) for name, values in whole.items()}
     coords = {name: (column.dims, column.values) for name, column in space.coords.items()}
     coords |= {name: ((), float(value)) for name, value in flow.numbers.items() if name not in coords and np.ndim(value) == 0}
-    attributes = {"settings": json.dumps(as_plain(arguments | {"start": str(arguments["start"])}))}
+    told = {name: getattr(settings, name) for name in ("periods", "settle", "method", "duration")}
+    attributes = {"settings": json.dumps(as_plain(told | {"start": str(settings.start)}))}
     if ending.interrupted:
         attributes["notes"] = json.dumps({ending.note(Status.NOT_COMPUTED.sentence): sum(not columns for columns in rows)})
     return xr.Dataset(data, coords, attributes)
 
 
-def _cases(flow: SwitchingFlow, space: Space, arguments: dict[str, Any]) -> Callable[[int], dict[str, Any]]:
+def _check(settings: Settings, how: Execution, along: str | None) -> None:
+    """Note everything that is not of flows, together with what is wrong."""
+    problems, named = Problems("sweep"), ["continue_along"] if along is not None else []
+    check_rtol(settings.rtol, problems)
+    problems.whole("workers", how.workers, 1, example=2)
+    named += [name for name in (*settings.differing(), *how.differing()) if name in (*_IN_MEMORY, *_OF_MACHINES)]
+    for name in named:
+        why = ", whose sweeps are kept in memory" if name in _IN_MEMORY else ""
+        problems.add(f"{name} is not known of a flow{why}; leave it out")
+    problems.check()
+
+
+def _cases(flow: SwitchingFlow, space: Space, settings: Settings) -> Callable[[int], dict[str, Any]]:
     """The function that computes the columns of one case."""
     varying, fixed = space.at(np.arange(space.cases)), space.fixed
     numbers, first = ({name: value for name, value in of.items() if not name.startswith(_START)} for of in (varying, fixed))
     starts, begun = ({name.removeprefix(_START): v for name, v in of.items() if name.startswith(_START)} for of in (varying, fixed))
-    flow, start = flow.replace(first), arguments["start"]
+    flow, start = flow.replace(first), settings.start
     if (starts or begun) and start is not None and not isinstance(start, dict):
         raise InputError("sweep", [f"start = {start!r} beside axes of the start; allowed is a dict; type start={{'x': 0.1}}"])
 
     def asked(k: int) -> Any:
         own = {**(start or {}), **begun, **{name: float(values[k]) for name, values in starts.items()}} if starts or begun else start
-        return asked_of(flow.replace({name: float(values[k]) for name, values in numbers.items()}), **{**arguments, "start": own})
+        return flow_request(flow.replace({name: float(values[k]) for name, values in numbers.items()}), replace(settings, start=own))
 
     def case(k: int) -> dict[str, Any]:
         try:
             todo = asked(k)
         except InputError:
             return {"status": Status.BAD_INPUT}
-        return flow_columns(todo.flow, todo.states[0], todo.mode, float(todo.spans[0]), float(todo.settled[0]))
+        return flow_columns(todo.model, todo.start[0], todo.mode, float(todo.lengths[0]), float((todo.settle * todo.span)[0]))
 
     good = np.flatnonzero(np.all([np.isfinite(values) for values in varying.values()], axis=0)) if varying else range(space.cases)
     if len(good):

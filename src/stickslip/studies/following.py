@@ -22,17 +22,17 @@ from stickslip.solvers import coulomb_steady_motions as orbits, stepping
 from stickslip.solvers.closed_arcs import handles
 from stickslip.solvers.methods import steps_of
 from stickslip.solvers.part_results import per_case
-from stickslip.solvers.request import Request, request
+from stickslip.solvers.request import request
+from stickslip.solvers.settings import Request
 from stickslip.studies.models_of_points import Group, groups_of_points, starts_at
-from stickslip.studies.planning import Plan, solver_arguments
+from stickslip.studies.planning import Plan, settings_of
 from stickslip.studies.result_columns import END, empty
 from stickslip.studies.solving import columns_of_group
 
 
 def solve_to_end(robot: Model, start: dict[str, Any], options: dict[str, Any], workers: int, tell: Any) -> tuple[Summary, dict[str, Array]]:
     """A summary, the data for its power, and the final state of each case, under names such as end.v."""
-    asked = solver_arguments(options)
-    todo = request(robot, start=start, workers=workers, keep="summary", samples=400, progress=tell, options={}, **asked)
+    todo = request(robot, settings_of(options, start=start, workers=workers, keep="summary", progress=tell))
     why = unfollowed(robot, todo.method)
     if why is not None:
         raise InputError("sweep", [why])

@@ -17,6 +17,7 @@ from stickslip.basics.variables import VARIABLES
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.observables import by_time_of_computation, checked_observables
 from stickslip.solvers.methods import SLOW
+from stickslip.solvers.settings import Settings
 from stickslip.studies.models_of_points import groups_of_points, refusals
 from stickslip.studies.result_columns import COLUMNS, part_columns
 from stickslip.studies.space import Space, space_of
@@ -204,8 +205,7 @@ def _check_options(plan: Plan) -> None:
         if not groups and plan.space.cases <= 64:
             raise InputError("sweep", list(dict.fromkeys(refused.values())) or ["no robot can be made"])
         return
-    arguments = solver_arguments(plan.options)
-    request(plan.sample, start=None, workers=1, keep="summary", samples=400, progress=None, options={}, **arguments)
+    request(plan.sample, settings_of(plan.options, keep="summary"))
     if plan.along is not None:
         from stickslip.studies.following import unfollowed
 
@@ -214,9 +214,9 @@ def _check_options(plan: Plan) -> None:
             raise InputError("sweep", [why])
 
 
-def solver_arguments(options: dict[str, Any]) -> dict[str, Any]:
-    """Arguments of `solve`; with a duration, there are no periods to count."""
-    options = {**options, "observe": by_time_of_computation(options.get("observe"))[0] or None}
-    if options["duration"] is None:
-        return {name: value for name, value in options.items() if name != "duration"}
-    return {**options, "periods": None, "settle": None if options["settle"] == "auto" else options["settle"]}
+def settings_of(options: dict[str, Any], **more: Any) -> Settings:
+    """The settings of `solve` for options of a sweep; with a duration, there are no periods to count."""
+    settings = Settings(**{**options, "observe": by_time_of_computation(options.get("observe"))[0] or None}, **more)
+    if settings.duration is None:
+        return settings
+    return replace(settings, periods=None, settle=None if settings.settle == "auto" else settings.settle)

@@ -16,6 +16,7 @@ from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.interruption import interruptible, look, partial_result, taking_some_cases
 from stickslip.basics.status import Status
 from stickslip.models.switching_flow import is_flow
+from stickslip.studies.execution import Execution
 from stickslip.studies.labelling import coordinates_of_grid, dataset, provenance_of
 from stickslip.studies.models_of_points import starts_at
 from stickslip.studies.planning import SOLVER, Plan, planned
@@ -72,7 +73,7 @@ def map(make: Maker, refine: bool = False, coarse: int = 33, **arguments: Any) -
     plan = planned(make, (), arguments, start, along, tile, **options)
     _check_plane(plan)
     if not refine:
-        return carried_out(plan, tile, **how)
+        return carried_out(plan, Execution(tile=tile, **how))
     return _Refined(plan, how.get("workers", 1), Watch(plan.cases, how.get("progress"))).grid(coarse)
 
 

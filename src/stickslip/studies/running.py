@@ -12,13 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.arguments import Maker, explains_arguments
 from stickslip.basics.contracts import Array
-from stickslip.basics.errors import InputError, Problems
+from stickslip.basics.errors import InputError
 from stickslip.basics.interruption import interruptible, look, partial_result, taking_some_cases
 from stickslip.basics.pool import shared
 from stickslip.basics.status import Status
 from stickslip.models.switching_flow import is_flow
 from stickslip.solvers.methods import takes_closed_arcs
+from stickslip.solvers.settings import Settings
 from stickslip.studies.designs import SweepDesign
+from stickslip.studies.execution import Execution
 from stickslip.studies.labelling import dataset, provenance_of
 from stickslip.studies.model_identity import ModelIdentities
 from stickslip.studies.planning import Plan, planned
@@ -120,15 +122,8 @@ def sweep(
     >>> dict(grid.sizes), grid.motion_type.sel(tilt_deg=1.7).values.tolist()
     ({'amplitude': 2, 'tilt_deg': 2}, ['II', 'III'])
     """
-    if is_flow(make):
-        from stickslip.studies.flow_sweeps import sweep_of_flow
-
-        periods = None if duration is not None and periods == 200 else periods  # type: ignore[assignment]
-        how = {"continue_along": continue_along, "out": out, "resume": resume, "shard": shard, "tile": tile, "client": client}
-        how |= {"retries": retries, "slip_ratio": slip_ratio, "dwell": dwell, "observe": observe}
-        asked = {"periods": periods, "settle": settle, "start": start, "method": method, "duration": duration}
-        return sweep_of_flow(make, designs, axes, rtol, workers, progress, how, **asked, keep=None, samples=400, options={})
-    options = {
+    how = Execution(workers, out, resume, shard, tile, client, retries, progress)
+    options: dict[str, Any] = {
         "periods": periods,
         "duration": duration,
         "settle": settle,
@@ -138,35 +133,26 @@ def sweep(
         "dwell": dwell,
         "observe": observe,
     }
-    plan = planned(make, designs, axes, start, continue_along, tile, **options)
-    return carried_out(plan, tile, workers, out, resume, shard, client, retries, progress)
+    if is_flow(make):
+        from stickslip.studies.flow_sweeps import sweep_of_flow
+
+        told = options | {"start": start, "periods": None if duration is not None and periods == 200 else periods}
+        return sweep_of_flow(make, designs, axes, Settings(**told), how, continue_along)
+    return carried_out(planned(make, designs, axes, start, continue_along, tile, **options), how)
 
 
-def carried_out(
-    plan: Plan,
-    tile: int | None = None,
-    workers: int = 1,
-    out: str | Path | None = None,
-    resume: bool = False,
-    shard: tuple[int, int] | str | None = None,
-    client: Any = None,
-    retries: int = 3,
-    progress: Callable[[Progress], Any] | bool | None = None,
-) -> Any:
-    """Run a plan, in memory or in a folder, and return its dataset; arguments as for `sweep`."""
-    problems = Problems("sweep")
-    problems.whole("workers", workers, 1, example=2)
-    if out is None and (resume or shard):
-        problems.add("resume and shard are for a study folder; give one with out=, such as out='study'")
-    problems.check()
-    watch = Watch(plan.cases, progress)
+def carried_out(plan: Plan, how: Execution) -> Any:
+    """Run a plan, in memory or in a folder, and return its dataset."""
+    how.check()
+    out, client, workers, retries = how.out, how.client, how.workers, how.retries
+    watch = Watch(plan.cases, how.progress)
     if out is None:
-        return _in_memory(plan, tile, workers, client, retries, watch)
+        return _in_memory(plan, how, watch)
     from stickslip.studies.folder import StudyFolder
     from stickslip.studies.opening import open_study
     from stickslip.studies.tiles import read_tile
 
-    study = StudyFolder.begin(Path(out), plan, resume=resume, shard=shard, keep=client is None and plan.along is None)
+    study = StudyFolder.begin(Path(out), plan, resume=how.resume, shard=how.shard, keep=client is None and plan.along is None)
     watch.resumed(sum(len(range(*plan.bounds(k))) for k in study.done))
     todo = study.todo
     with partial_result() as ending:
@@ -189,13 +175,14 @@ def carried_out(
     return grid
 
 
-def _in_memory(plan: Plan, tile: int | None, workers: int, client: Any, retries: int, watch: Watch) -> Any:
+def _in_memory(plan: Plan, how: Execution, watch: Watch) -> Any:
     """The dataset of all columns of a plan; an error common to all cases is raised."""
-    if tile is None and plan.along is None and plan.tile > 16 and (client is None or workers == 1):
+    workers, client = how.workers, how.client
+    if how.tile is None and plan.along is None and plan.tile > 16 and (client is None or workers == 1):
         plan = replace(plan, tile=_tile_in_memory(plan, workers))
     whole, notes, left = vacant(plan.cases, plan.columns), Counter[str](), set(range(plan.tiles))
     with partial_result() as ending, taking_some_cases():
-        for k, columns, remarks, _ in tiles_of(plan, range(plan.tiles), workers, client, retries, watch):
+        for k, columns, remarks, _ in tiles_of(plan, range(plan.tiles), workers, client, how.retries, watch):
             _put(whole, plan.bounds(k), columns)
             notes.update(remarks)
             left.remove(k)

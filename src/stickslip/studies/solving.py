@@ -20,13 +20,13 @@ from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import MachineAdapter, machine_of
 from stickslip.models.observables import by_time_of_computation
 from stickslip.results.part_notes import notes_of_cases
-from stickslip.solvers import coulomb_steady_motions as orbits, part_results as parts
+from stickslip.solvers import coulomb_steady_motions as orbits, part_results as parts, solved as solved_as_asked
 from stickslip.solvers.closed_arcs import dimensionless_arcs, handles
 from stickslip.solvers.methods import takes_closed_arcs
 from stickslip.solvers.request import request
 from stickslip.studies.model_identity import ModelIdentities
 from stickslip.studies.models_of_points import Group, groups_of_points, starts_at
-from stickslip.studies.planning import Plan, solver_arguments
+from stickslip.studies.planning import Plan, settings_of
 from stickslip.studies.result_columns import COLUMNS, END, concatenated, empty, flattened, with_missing_cases
 
 ALPHAS = ("alpha_plus", "alpha_minus")
@@ -197,12 +197,10 @@ def columns_of(
 
 def _summary(robot: Model, start: dict[str, Any], options: dict[str, Any], workers: int, tell: Any) -> tuple[Any, dict[str, Array]]:
     """A summary; for Coulomb robots with a harmonic drive also the distances travelled forwards and backwards."""
-    from stickslip.solvers import solve
-
-    asked = {**solver_arguments(options), "start": start or None, "workers": workers, "keep": "summary", "progress": tell}
-    if options["duration"] is not None or asked["observe"] or not takes_closed_arcs(options["method"], robot):
-        return solve(robot, **asked), {}
-    todo = request(robot, samples=400, options={}, **asked)
+    settings = settings_of(options, start=start or None, workers=workers, keep="summary", progress=tell)
+    if settings.duration is not None or settings.observe or not takes_closed_arcs(settings.method, robot):
+        return solved_as_asked(robot, settings), {}
+    todo = request(robot, settings)
     return orbits.solve(todo) if orbits.applies(todo) else orbits.solve_waiting(todo)
 
 

@@ -17,6 +17,7 @@ from stickslip.maths import maximum, sin, where, within
 from stickslip.solvers.plain.deciding import decide
 from stickslip.solvers.plain.marching import marched
 from stickslip.solvers.request import request
+from stickslip.solvers.settings import Settings
 
 
 def plain(machine, periods=None, **arguments):
@@ -25,11 +26,7 @@ def plain(machine, periods=None, **arguments):
 
 def hits_of(machine, **arguments):
     """A run as the judge keeps it, with the hits on its stops."""
-    asked = dict(
-        periods=None, settle=None, rtol=1e-12, start=None, workers=1, keep=None, samples=400, method="dop853", slip_ratio=0.75, dwell=0.03,
-        progress=None, options={},
-    )  # fmt: skip
-    return marched(request(machine, **{**asked, **arguments}), machine, 0)
+    return marched(request(machine, Settings.of({"rtol": 1e-12, "method": "dop853", **arguments})), machine, 0)
 
 
 def last_period(run):

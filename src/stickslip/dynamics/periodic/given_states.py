@@ -14,7 +14,7 @@ from stickslip.dynamics.periodic.closed_orbits import ClosedMotion
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, state_at_rest, states_of_parts, strobe_states
 from stickslip.models.state_layout import of_one_contact
 from stickslip.models.switching_flow import is_flow, knows_mode, unknown_mode
-from stickslip.solvers.flow_solving import starts_of
+from stickslip.solvers.flow_requests import starts_of
 from stickslip.solvers.plain.composed_flows import mode_of_state, mode_of_strobe_state
 from stickslip.solvers.request import LARGEST_START
 

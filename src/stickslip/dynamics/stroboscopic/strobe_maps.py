@@ -412,7 +412,7 @@ def coordinates_of_flow(flow: Any) -> Coordinates:
 def _of_flow(flow: Any, states: Array, duration: Any) -> Ends:
     """The states of a flow that switches after some time. It makes no way."""
     from stickslip.solvers.flow_engine import ends, unknown
-    from stickslip.solvers.flow_solving import untraced
+    from stickslip.solvers.flow_requests import untraced
 
     if why := unknown(flow, states.shape[1] - 1):
         raise InputError("SwitchingFlow", [untraced(why)])

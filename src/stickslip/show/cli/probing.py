@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable
 from itertools import islice, product
 from typing import Any
@@ -107,21 +106,19 @@ def _tried(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any]) ->
 
 def of_solver(robot: Any, options: dict[str, Any], timed: bool = True) -> list[str]:
     """Errors of the solver's arguments for a robot of this kind."""
-    from stickslip.solvers import solve
     from stickslip.solvers.request import request
+    from stickslip.solvers.settings import Settings
 
     if robot is None:
         return []
-    defaults = {name: p.default for name, p in inspect.signature(solve).parameters.items() if p.default is not p.empty}
-    usual = {**defaults, "keep": "summary"}
+    usual: dict[str, Any] = {"keep": "summary"}
     if not timed and robot.period is None:
         usual |= {"duration": 1.0}
         options = {name: value for name, value in options.items() if name not in ("periods", "settle")}
     if not timed and "periods" not in options:  # then `settle` comes before the periods, and the function checks it
         options = {name: value for name, value in options.items() if name != "settle"}
-    own = {name: options[name] for name in usual if name in options}
     try:
-        request(robot, **{**usual, **own}, options={k: v for k, v in options.items() if k not in usual})
+        request(robot, Settings.of({**usual, **options}))
     except InputError as error:
         return list(error.problems)
     return []

@@ -26,7 +26,7 @@ from stickslip.solvers.part_results import nothing as no_parts
 from stickslip.solvers.plain.marching import march, marched
 from stickslip.solvers.plain.reduction import reduced
 from stickslip.solvers.plain.stretch import NAMES
-from stickslip.solvers.request import Request
+from stickslip.solvers.settings import Request
 
 __all__ = ["NAMES", "solve"]
 

@@ -23,7 +23,7 @@ from stickslip.solvers.plain.flights import landed, taken_off, turned_aloft
 from stickslip.solvers.plain.guards import Guard
 from stickslip.solvers.plain.plain_equations import Equations
 from stickslip.solvers.plain.stretch import integrate
-from stickslip.solvers.request import Request
+from stickslip.solvers.settings import Request
 from stickslip.solvers.stopped import STIFF, location, remedy, stopping_message
 
 _EVENTS = 2_000  # events in one period, and as many more for each contact and stop, that are taken for chatter

@@ -13,7 +13,7 @@ from stickslip.results.steadiness import outcome_of
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import strobes
 from stickslip.solvers.plain.reduction_of_parts import reduced_parts
-from stickslip.solvers.request import Request
+from stickslip.solvers.settings import Request
 
 
 def reduced(todo: Request, model: Model, pieces: DensePieces, case: int) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from stickslip.results.steadiness import repetition_of, window_count
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import strobes
 from stickslip.solvers.part_results import RawParts
-from stickslip.solvers.request import Request
+from stickslip.solvers.settings import Request
 
 
 def reduced_parts(todo: Request, run: Trajectory) -> dict[str, Any]:

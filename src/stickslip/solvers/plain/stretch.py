@@ -17,7 +17,7 @@ from stickslip.solvers.plain.deciding import ROUNDING
 from stickslip.solvers.plain.dense import DensePart, part_of
 from stickslip.solvers.plain.guards import Guard, guards
 from stickslip.solvers.plain.plain_equations import ContactModes, Equations
-from stickslip.solvers.request import Request
+from stickslip.solvers.settings import Request
 
 NAMES = {"radau": "Radau", "lsoda": "LSODA", "bdf": "BDF", "dop853": "DOP853"}
 #: Degree of the polynomials between the steps of a method; those of a multistep method have that of the step's order.
