@@ -11,7 +11,7 @@ from stickslip.analysis.section_choice import cut_of, passages
 from stickslip.basics.arguments import described_as
 from stickslip.basics.contracts import Array
 from stickslip.basics.notebook_display import Drawn
-from stickslip.results.flow_run import extremes
+from stickslip.results.flow_pieces import extremes
 
 if TYPE_CHECKING:
     from stickslip.results.flow_run import FlowRun

@@ -15,14 +15,14 @@ from stickslip.models.switching_flow import is_flow
 from stickslip.records import measures
 from stickslip.records.record import Record
 from stickslip.results import recurrence, steadiness
+from stickslip.results.flow_run import NO_BODIES
 from stickslip.results.summary import Summary
+from stickslip.results.trajectory import Trajectory
 from stickslip.results.verbs import OfOneRun
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from stickslip.results.flow_run import FlowRun
-    from stickslip.results.trajectory import Trajectory
 
 _FIRST = 60  # times a machine's own time: its first run, where it has no period
 _CLOSE, _FINEST = 1e-9, 1e-10  # of its swing: how near a cycle comes back that has settled; tolerance of such runs under dynamic laws
@@ -117,11 +117,10 @@ def of_a_record(what: str, given: Any, **options: float | None) -> None:
             raise InputError(what, [f"{mistake}, whose drive is known; type ss.{what}(run)"])
 
 
-def is_run(what: str, run: Trajectory | FlowRun) -> None:
+def is_run(what: str, run: Trajectory) -> None:
     """Say what to type where something else than a run was given."""
-    if is_flow(getattr(run, "model", None)):
-        mistake = "the run is that of a flow, which has states of its own and no bodies"
-        raise InputError(what, [f"{mistake}; allowed is a Trajectory; type run[name] for a state, run.strobe for its strobe points"])
+    if isinstance(run, Trajectory) and not run.pieces.layout.bodies:
+        raise InputError(what, [NO_BODIES])
     if not hasattr(run, "settle"):
         raise InputError(what, [f"{type(run).__name__} given; allowed is a Trajectory; type for example ss.{what}(ss.solve(robot))"])
     if getattr(run, "interrupted", False):

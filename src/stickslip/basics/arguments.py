@@ -29,7 +29,7 @@ from stickslip.basics.contracts import (
     OneContact,
     SetValuedLaw,
 )
-from stickslip.basics.errors import InputError, OneContactNeeded, Problems, StickslipError, is_whole
+from stickslip.basics.errors import InputError, NoBodies, OneContactNeeded, Problems, StickslipError, is_whole
 from stickslip.basics.fields import checked_number, number
 from stickslip.basics.quantities import allowed_in, example_of
 
@@ -195,7 +195,7 @@ def explains_arguments(function: Callable[P, T]) -> Callable[P, T]:
     def explained(*args: P.args, **kwargs: P.kwargs) -> T:
         try:
             return function(*args, **kwargs)
-        except OneContactNeeded as error:
+        except (OneContactNeeded, NoBodies) as error:
             raise InputError(function.__name__, error.problems) from error
         except StickslipError:
             raise

@@ -72,6 +72,10 @@ class OneContactNeeded(InputError, AttributeError):
         return cls(kind, [f"{why}; {allowed}; {typed}"])
 
 
+class NoBodies(InputError, AttributeError):
+    """A flow's run, where a run of bodies is needed. It is an AttributeError too, so that `hasattr` is False for what bodies have."""
+
+
 class SolveError(StickslipError, RuntimeError):
     """A single run that could not be finished; in a batch it becomes a status.
 

@@ -299,8 +299,8 @@ def of_one_contact(what: str, run: Any, why: str) -> Any:
     ...     print(error.problems[0][:97])
     the run has 2 bodies (head, tail) and 1 contact (pad); allowed is one body on one contact, as it
     """
-    layout = run.pieces.layout if hasattr(run, "pieces") else None
-    if layout is None:
+    layout = run.pieces.layout
+    if not layout.bodies:
         mistake = "the run is that of a flow, which has states of its own and no bodies and contacts"
         raise InputError(what, [f"{mistake}; allowed is one body on one contact; type run.to_xarray() for its columns"])
     if layout.single:

@@ -3,64 +3,48 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.polynomial.polynomial import polyval
 
-from stickslip.basics.arguments import Numbers, explains_arguments
+from stickslip.basics.arguments import Numbers, described_as, explains_arguments
 from stickslip.basics.contracts import Array
-from stickslip.basics.errors import InputError, did_you_mean
+from stickslip.basics.errors import InputError, NoBodies, did_you_mean
 from stickslip.basics.frozen_arrays import sealed
-from stickslip.basics.notebook_display import Drawn
-from stickslip.basics.status import INTERRUPTED
 from stickslip.models.flow_contacts import ContactColumns, contact_columns
 from stickslip.results.datasets import FileColumns
-from stickslip.results.run_files import RunFiles
+from stickslip.results.flow_pieces import ModeChange, extremes
 from stickslip.results.storage import save_table
+from stickslip.results.trajectory import APERIODIC, Trajectory
 
+NO_BODIES = (
+    "the run is that of a flow, which has states of its own and no bodies; allowed is a run of a machine; type run[name] for a state, "
+    "run.strobe for its strobe points"
+)
 _OF_A_CONTACT = ("slip", "load", "friction_force")  # columns of files, with the contact's name behind
-_LOOKS = 33  # samples of a polynomial on one step, from which its extremes are refined
-_FREE = 10  # instants of a run without a period, in units of `samples`
 
 
-class ModeChange(NamedTuple):
-    """A switch: its time, and the modes before and after it."""
-
-    t: float
-    before: Any
-    after: Any
-
-
+@described_as("a run of a SwitchingFlow; type for example ss.solve(flow, start=[1.0, 0.0], duration=5.0)")
 @sealed
 @dataclass(frozen=True, eq=False)
-class FlowRun(RunFiles, Drawn):
-    """One run of a switching flow, made by `solve`. ``run[name]`` is the column of a state over the instants `t`.
+class FlowRun(Trajectory):
+    """One run of a switching flow, made by `solve`: a `Trajectory` of states instead of bodies.
+
+    ``run[name]`` is the column of a state over the instants `t`, ``run.y`` all of them, ``run.mode`` the mode at these instants.
+    ``run.state`` and ``run.end_mode`` are where it ends, after a switch at that instant.
 
     Parameters
     ----------
     model : SwitchingFlow
-    nodes : array (n + 1,)
-        Ends of the steps.
-    modes : array (n,) of int
-        The mode of each step, as its position in `model.fields`.
-    coefficients : array
-        Polynomials of the states in (t - start of the step) / (its length), lowest power first.
-    passed : array
-        States between two switches at the same instant.
-    events : list of ModeChange
-        The switches in order; t, before and after.
-    method : str
-        "exact" by Taylor steps of the compiled engine, "dop853" by SciPy's integrator on plain Python.
-    state, mode
-        Final state and mode, after a switch at that instant.
+    pieces : FlowPieces
+        The dense output.
     periods : int, optional
-        Periods of the forcing.
-    samples : int
-        Instants per period in the columns; without a period, the run has ten times as many in all.
+        Periods of the forcing; None of a run that was given a duration.
+    settle, rtol, method, status, samples, start, provenance, counts
+        As of a `Trajectory`, whose steps here are exact to rounding: "exact" by Taylor steps of the compiled engine.
 
     Examples
     --------
@@ -72,22 +56,48 @@ class FlowRun(RunFiles, Drawn):
     ('exact', 0.451524, 0.577653, 1.0)
     """
 
-    model: Any
-    nodes: Array
-    modes: Array
-    coefficients: Array
-    passed: Array
-    events: list[ModeChange]
-    method: str
-    state: Array
-    mode: Any
-    periods: int | None = None
-    settle: int = 0
-    status: str = "finished"
-    samples: int = 400
-    start: dict[str, Any] = field(default_factory=dict)
-    provenance: dict[str, Any] = field(default_factory=dict)
-    counts: dict[str, Any] = field(default_factory=dict)
+    periods: Any
+
+    # ---- steps ----
+    @property
+    def nodes(self) -> Array:
+        """Ends of the steps (n + 1,)."""
+        return self.pieces.t
+
+    @property
+    def modes(self) -> Array:
+        """The mode of each step (n,), as its place among the flow's modes."""
+        return self.pieces.mode
+
+    @property
+    def coefficients(self) -> Array:
+        """Polynomials of the states in (t - start of the step) / (its length), lowest power first."""
+        return self.pieces.coefficients
+
+    @property
+    def passed(self) -> Array:
+        """States between two switches at the same instant."""
+        return self.pieces.passed
+
+    @property
+    def events(self) -> list[ModeChange]:  # type: ignore[override]
+        """The switches in order: t, before and after."""
+        return self.pieces.switches
+
+    @property
+    def state(self) -> Array:
+        """The state at the end, after a switch at that instant."""
+        return self.pieces.end
+
+    @property
+    def end_mode(self) -> Any:
+        """The mode at the end, after a switch at that instant."""
+        return self.pieces.end_mode
+
+    @property
+    def strobe_state(self) -> Array:
+        """The end as analyses take a state of a flow: the state, with the place of its mode behind."""
+        return np.append(self.state, list(self.model.modes).index(self.end_mode))
 
     # ---- columns ----
     @property
@@ -99,9 +109,8 @@ class FlowRun(RunFiles, Drawn):
     def _instants(self) -> tuple[Array, Array]:
         """The sampled times with the piece of each; each event appears twice, before and after."""
         first, last = float(self.nodes[0]), float(self.nodes[-1])
-        count = (
-            _FREE * self.samples if self.model.period is None else max(int(np.ceil((last - first) / self.model.period * self.samples)), 1)
-        )
+        T = self.model.period
+        count = APERIODIC * self.samples if T is None else max(int(np.ceil((last - first) / T * self.samples)), 1)
         grid = np.linspace(first, last, count + 1)
         at = np.flatnonzero(np.isin(self.nodes[1:-1], [event.t for event in self.events])) + 1
         t = np.concatenate([grid, self.nodes[at], self.nodes[at]])
@@ -109,27 +118,27 @@ class FlowRun(RunFiles, Drawn):
         order = np.lexsort((index, t))
         return t[order], index[order]
 
-    def _index(self, t: Array) -> Array:
-        """The piece on which a time lies (the later one at a node)."""
-        return np.clip(np.searchsorted(self.nodes, t, side="right") - 1, 0, len(self.modes) - 1)
-
-    @property
-    def t(self) -> Array:
-        """Times of the columns: evenly spaced, and every switch twice."""
-        return self._instants[0]
+    def _states_at(self, t: Any, index: Any) -> tuple[Any, Any, Any]:
+        """There is no body of which to give a position: `NoBodies`."""
+        raise NoBodies("FlowRun", [NO_BODIES])
 
     @cached_property
     def y(self) -> Array:
         """The states (time, state)."""
-        return self._evaluated(*self._instants)
+        return self.pieces.states(*self._instants)
 
     @cached_property
-    def mode_at(self) -> Array:
+    def mode(self) -> Array:
         """The mode at the times of the columns."""
         return self._labels(self._instants[1])
 
+    @property
+    def mode_at(self) -> Array:
+        """The same as `mode`."""
+        return self.mode
+
     @cached_property
-    def contacts(self) -> Mapping[str, ContactColumns]:
+    def contacts(self) -> Mapping[str, ContactColumns]:  # type: ignore[override]
         """Slip, load, friction force and mode of each contact at the times of the columns, by its name."""
         t, index = self._instants
         return contact_columns(self.model, t, self.y, self.modes[index])
@@ -138,10 +147,6 @@ class FlowRun(RunFiles, Drawn):
         if name not in self.names:
             raise InputError("FlowRun", [f"{name!r} is not a state of the flow; {did_you_mean(str(name), self.names)}"])
         return self.y[:, self.names.index(name)]
-
-    def _evaluated(self, t: Array, index: Array) -> Array:
-        start = self.nodes[index]
-        return polynomials(self.coefficients[index], (t - start) / (self.nodes[index + 1] - start))
 
     def modes_of(self, pieces: Array) -> list[Any]:
         """The modes of some steps of the run, by their names."""
@@ -168,16 +173,8 @@ class FlowRun(RunFiles, Drawn):
         dict
             t, mode, and each state by its name, each of the shape of `t`.
         """
-        shape, t = np.shape(t), np.atleast_1d(np.asarray(t, float)).ravel()
-        first, last = float(self.nodes[0]), float(self.nodes[-1])
-        slack = 1e-12 * (last - first)
-        if not np.all((t >= first - slack) & (t <= last + slack)):
-            raise InputError(
-                "FlowRun.at", [f"t reaches from {t.min():.9g} to {t.max():.9g}; allowed is {first:.9g} to {last:.9g}, the time of the run"]
-            )
-        t = np.clip(t, first, last)
-        index = self._index(t)
-        y = self._evaluated(t, index)
+        shape, t, index = self._placed(t)
+        y = self.pieces.states(t, index)
         columns = {"t": t, "mode": self._labels(index), **{name: y[:, i] for i, name in enumerate(self.names)}}
         return {name: column.reshape(shape)[()] for name, column in columns.items()}
 
@@ -196,21 +193,11 @@ class FlowRun(RunFiles, Drawn):
         """The largest value of each state, also between the steps."""
         return self._extremes[1]
 
-    @property
-    def strobe_times(self) -> Array:
-        """The starts of the periods of the forcing, and the end of the last whole one."""
-        if self.model.period is None:
-            raise InputError(
-                "FlowRun", ["the flow has no period, so its run has no strobe points; type run.at(t) for its state at times of your own"]
-            )
-        T, first, last = float(self.model.period), float(self.nodes[0]), float(self.nodes[-1])
-        return np.minimum(first + np.arange(int((last - first) / T + 1e-9) + 1) * T, last)
-
     @cached_property
     def strobe(self) -> Array:
         """The states at the strobe times (strobe, state), after a switch that falls there."""
         t = self.strobe_times
-        y = self._evaluated(t, self._index(t))
+        y = self.pieces.states(t, self._index(t))
         if t[-1] >= self.nodes[-1]:
             y[-1] = self.state
         return y
@@ -222,17 +209,17 @@ class FlowRun(RunFiles, Drawn):
         early = [f"the run was {self.status}"] if self.interrupted else []
         return [*early, *([f"{self.method}: {self.provenance['why']}"] if self.provenance.get("why") else [])]
 
-    def __getattr__(self, name: str) -> Any:
-        if name in ("mean_velocity", "motion"):
-            raise AttributeError(
-                f"the run of a flow has no {name}: a flow has no bodies; type run[name] for a state, run.strobe for its strobe points"
-            )
-        raise AttributeError(f"the run of a flow has no {name!r}")
-
     @property
-    def interrupted(self) -> bool:
-        """Whether the run was interrupted before its end: `status` says when."""
-        return self.status.startswith(INTERRUPTED)
+    def mean_velocity(self) -> float:
+        """A flow has no displacement: `NoBodies`."""
+        raise NoBodies("mean_velocity", [NO_BODIES])
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            if name in dir(type(self)):
+                return object.__getattribute__(self, name)  # raises its own error again
+            raise AttributeError(f"the run of a flow has no {name!r}")
 
     def to_xarray(self) -> Any:
         """The columns as an `xarray.Dataset` over time."""
@@ -240,7 +227,7 @@ class FlowRun(RunFiles, Drawn):
 
         columns: dict[str, Any] = {name: ("time", self.y[:, i]) for i, name in enumerate(self.names)}
         columns |= {f"{what}_{name}": ("time", getattr(c, what)) for name, c in self.contacts.items() for what in _OF_A_CONTACT}
-        columns["mode"] = ("time", np.array([str(mode) for mode in self.mode_at]) if self.mode_at.dtype == object else self.mode_at)
+        columns["mode"] = ("time", np.array([str(mode) for mode in self.mode]) if self.mode.dtype == object else self.mode)
         numbers = {name: float(value) for name, value in self.model.numbers.items()}
         return xr.Dataset(columns, {"time": self.t}, {"method": self.method, "status": self.status, **numbers})
 
@@ -274,39 +261,3 @@ class FlowRun(RunFiles, Drawn):
     def __repr__(self) -> str:
         length = f"{float(self.nodes[-1] - self.nodes[0]):.6g}"
         return f"<FlowRun: {', '.join(self.names)} over {length} by {self.method}, {len(self.events)} switches, {self.status}>"
-
-
-def polynomials(coefficients: Array, theta: Array) -> Array:
-    """Values (pieces, states) of polynomials (pieces, states, powers) at one point of each piece."""
-    value: Array = polyval(theta[:, None], np.moveaxis(coefficients, -1, 0), tensor=False)
-    return value
-
-
-def extremes(coefficients: Array, states: Array) -> tuple[Array, Array]:
-    """The smallest and the largest value of each state over all pieces, including interior extremes, and over some additional states.
-
-    Examples
-    --------
-    >>> low, high = extremes(np.array([[[0.0, 1.0, -1.0]]]), np.zeros((1, 1)))  # t - t^2
-    >>> float(low[0]), float(high[0])
-    (0.0, 0.25)
-    """
-    powers, looks = np.arange(coefficients.shape[2]), np.linspace(0.0, 1.0, _LOOKS)
-    slope = coefficients[..., 1:] * powers[1:]
-    curve = slope[..., 1:] * powers[1:-1]
-    rates = slope @ looks[None, :] ** powers[:-1, None]
-    rises = rates > 0.0
-    piece, state, k = np.nonzero(rises[..., :-1] != rises[..., 1:])  # an extremum between two samples
-    before, after = rates[piece, state, k], rates[piece, state, k + 1]
-    theta = looks[k] + before / (before - after) / (_LOOKS - 1)
-    own, slope, curve = (c[piece, state] for c in (coefficients, slope, curve))
-    for _ in range(4):
-        power = theta[:, None] ** powers
-        d, dd = (slope * power[:, :-1]).sum(axis=1), (curve * power[:, :-2]).sum(axis=1)
-        theta = np.clip(theta - d / np.where(dd == 0.0, np.inf, dd), looks[k], looks[k + 1])
-    turns = (own * theta[:, None] ** powers).sum(axis=1)
-    ends = np.concatenate([coefficients[..., 0], coefficients.sum(axis=-1), states])
-    low, high = ends.min(axis=0), ends.max(axis=0)
-    np.minimum.at(low, state, turns)
-    np.maximum.at(high, state, turns)
-    return low, high

@@ -438,18 +438,22 @@ class Trajectory(Drawn, Judged, RunFiles):
             t, x, v, z, mode and all forces, each of the shape of `t` (z with a last axis if it has several states); for a machine of
             several bodies and contacts their axis follows.
         """
+        shape, t, index = self._placed(t)
+        x, v, z = self._states_at(t, index)
+        every = {"x": x, "v": v, "mode": self.pieces.mode[index], **self._forces_at(t, index, x, v, z), "z": self._of_laws(z)}
+        columns = {"t": t, **self._at_door(every)}
+        return {name: None if column is None else column.reshape(shape + column.shape[1:])[()] for name, column in columns.items()}
+
+    def _placed(self, t: Any) -> tuple[Any, Array, Array]:
+        """The shape of some times, the times themselves and the pieces on which they lie; `InputError` for times outside of the run."""
         shape, t = np.shape(t), np.atleast_1d(np.asarray(t, float)).ravel()
         first, last = float(self.pieces.t[0]), float(self.pieces.t[-1])
         slack = 1e-12 * (last - first)
         if not np.all((t >= first - slack) & (t <= last + slack)):
             given, allowed = f"t reaches from {t.min():.9g} to {t.max():.9g} s", f"{first:.9g} to {last:.9g} s"
-            raise InputError("Trajectory.at", [f"{given}; allowed is {allowed}, the time of the run"])
+            raise InputError(f"{type(self).__name__}.at", [f"{given}; allowed is {allowed}, the time of the run"])
         t = np.clip(t, first, last)
-        index = self._index(t)
-        x, v, z = self._states_at(t, index)
-        every = {"x": x, "v": v, "mode": self.pieces.mode[index], **self._forces_at(t, index, x, v, z), "z": self._of_laws(z)}
-        columns = {"t": t, **self._at_door(every)}
-        return {name: None if column is None else column.reshape(shape + column.shape[1:])[()] for name, column in columns.items()}
+        return shape, t, self._index(t)
 
     # ---- strobe ----
     @cached_property

@@ -21,7 +21,7 @@ from stickslip.engine.section import RETURNS, VALUE, until_section, weight_of
 from stickslip.engine.symbolic import SPAN
 from stickslip.engine.tangent import tangent
 from stickslip.models.switching_flow import knows_mode
-from stickslip.results.flow_run import ModeChange
+from stickslip.results.flow_pieces import ModeChange
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -12,7 +12,8 @@ from stickslip.basics.errors import SolveError
 from stickslip.basics.interruption import is_stopped, look, partial_result
 from stickslip.basics.status import Status, interrupted_at
 from stickslip.engine.texts import recurrence
-from stickslip.results.flow_run import FlowRun, extremes, polynomials
+from stickslip.results.flow_pieces import FlowPieces, extremes, polynomials
+from stickslip.results.flow_run import FlowRun
 from stickslip.results.summary import Summary
 from stickslip.solvers.flow_engine import follow_flow
 from stickslip.solvers.settings import Request, versions
@@ -34,10 +35,18 @@ def _run(todo: Request) -> FlowRun:
     if is_stopped() and done.time < length:
         status = interrupted_at(done.time)
     return FlowRun(
-        flow, done.nodes, done.modes, done.coefficients, done.passed, done.events, "exact", done.state, done.mode,
-        None if todo.duration is not None else todo.periods, todo.settle, status, todo.samples, todo.given_start, {"versions": versions()},
-        {"steps": done.steps},
-    )  # fmt: skip
+        model=flow,
+        pieces=FlowPieces(done.nodes, done.modes, done.coefficients, done.passed, done.events, done.state, done.mode),
+        periods=None if todo.duration is not None else todo.periods,
+        settle=todo.settle,
+        rtol=todo.rtol,
+        method="exact",
+        status=status,
+        samples=todo.samples,
+        start=todo.given_start,
+        provenance={"versions": versions()},
+        counts={"steps": done.steps},
+    )
 
 
 def _summary(todo: Request) -> Summary:

@@ -13,7 +13,7 @@ from stickslip.basics.errors import InputError
 from stickslip.basics.status import STATUS
 from stickslip.engine.held_lane import HeldLane, Side
 from stickslip.models.switching_flow import SwitchingFlow
-from stickslip.results.flow_run import ModeChange
+from stickslip.results.flow_pieces import ModeChange
 from stickslip.solvers import flow_engine
 from stickslip.solvers.flow_requests import flow_request
 from stickslip.solvers.held_cases import Standing, times_of

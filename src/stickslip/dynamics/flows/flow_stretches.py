@@ -18,7 +18,7 @@ from stickslip.basics.fields import floats
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.flows.judged_flows import passage_by_scipy
 from stickslip.models.switching_flow import SwitchingFlow, is_flow, knows_mode, unknown_mode
-from stickslip.results.flow_run import extremes
+from stickslip.results.flow_pieces import extremes
 from stickslip.solvers.flow_engine import check_flow, follow_flow, unknown
 from stickslip.solvers.plain.composed_flows import composed, mode_of_state
 

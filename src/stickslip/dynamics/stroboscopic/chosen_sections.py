@@ -203,16 +203,11 @@ def _shown(model: Any, at: Coordinates, asked: Asked, state: Array) -> Shown:
         t = passages(run, cut)
         late = t[t >= 0.5 * span]
         if len(late) >= _ENOUGH and _moves(run, at, cut):
-            return Shown(cut, LONGEST_RETURN * float(np.diff(late).max()), span, True, run, state, _end_of(run))
+            return Shown(cut, LONGEST_RETURN * float(np.diff(late).max()), span, True, run, state, run.strobe_state)
         if k == _DOUBLED or _rests(run, at):
             break
         span *= 2.0
-    return Shown(cut, span, span, False, run, state, _end_of(run))
-
-
-def _end_of(run: Any) -> Array:
-    """The state at the end of a flow's run, with the place of its mode."""
-    return np.append(run.state, run.model.modes.index(run.mode))
+    return Shown(cut, span, span, False, run, state, run.strobe_state)
 
 
 def _time_of(model: Any) -> Any:
