@@ -393,3 +393,37 @@ def test_a_wrong_argument_is_told_although_the_first_points_make_no_robot():
     amplitudes = np.append(np.full(30, np.nan), [3e-4, 6e-4])
     with pytest.raises(ss.InputError, match="method = 'rk5' is not known"):
         ss.sweep(ss.presets.piezo_rig, amplitude=amplitudes, tilt_deg=1.7, method="rk5")
+
+
+# ---- machines without a period ----
+BELT = ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0, f_plus=1.5, f_minus=1.5))
+
+
+def test_a_belt_that_is_left_time_to_settle_has_the_columns_of_the_formula(tmp_path):
+    """T = 2 (F - f) / (k u) + (2 pi - 2 atan((F - f) omega / (k u))) / omega, and the slide is a part of a circle."""
+    u, omega = np.array([0.1, 0.15]), np.sqrt(2.0)
+    slides, rests, size = (2 * np.pi - 2 * np.arctan(0.25 * omega / u)) / omega, 0.5 / u, np.hypot(0.25, u / omega)
+    grid = ss.sweep(BELT, speed=[*u, np.nan], duration=100, settle=50, out=tmp_path / "study")
+    assert grid.motion_type.values.tolist() == ["stick-slip", "stick-slip", "unsolved"] and grid.period.values.tolist() == [1, 1, 0]
+    for name, formula in {
+        "duration": slides + rests, "body_amplitude": size, "stick_fraction": rests / (slides + rests), "velocity_max": u,
+        "velocity_min": -size * omega,
+    }.items():  # fmt: skip
+        np.testing.assert_allclose(grid[name].values, [*formula, np.nan], rtol=1e-9, err_msg=name)
+    np.testing.assert_allclose(grid.mean_velocity.values[:2], 0.0, atol=1e-12)
+    assert "duration" not in ss.sweep(BELT, speed=u, duration=100)
+
+
+def test_a_flow_that_is_left_time_to_settle_has_the_numbers_of_its_cycle():
+    hit = ss.Switch(lambda t, y, n: y[0], 0, lambda t, y, n: (0.0, n.u))
+    ball = ss.SwitchingFlow({0: lambda t, y, n: (y[1], -10.0)}, {0: (hit,)}, None, {"u": 2.0}, states=("height", "v"))
+    grid = ss.sweep(ball, u=[1.0, 2.0], start={"height": 1.0}, duration=20.0, settle=5.0)
+    np.testing.assert_allclose(grid.duration, [0.2, 0.4], rtol=1e-9)
+    np.testing.assert_allclose(grid.amplitude_height, [0.025, 0.1], rtol=1e-9)
+    assert grid.motion_type.values.tolist() == ["periodic"] * 2 and grid.fraction_0.values == pytest.approx([1.0, 1.0])
+
+
+def test_settling_of_a_machine_without_a_period_is_a_time_below_the_duration():
+    for settle in (100.0, -1.0, "long"):
+        with pytest.raises(ss.InputError, match="settle"):
+            ss.sweep(BELT, speed=[0.1, 0.2], duration=100, settle=settle)

@@ -97,10 +97,10 @@ class FlowMotion(Drawn):
         return self._text()
 
 
-def flow_motion(run: FlowRun) -> FlowMotion:
-    """The motion at the end of a run of a flow."""
+def flow_motion(run: FlowRun, settle: float | None = None) -> FlowMotion:
+    """The motion at the end of a run of a flow: of what is later than `settle`, or of its second half."""
     begin, end = float(run.nodes[0]), float(run.nodes[-1])
-    middle = 0.5 * (begin + end)
+    middle = 0.5 * (begin + end) if settle is None else settle
     low, high = _range(run, middle, end)
     if np.all(high - low <= _STILL * np.maximum(abs(run.lowest), abs(run.highest))):
         return _of(run, "steady", None, middle, end, 0.0)

@@ -156,11 +156,15 @@ class Oscillation(Drawn):
         raise AttributeError(f"the motion of a machine without a period has no {name}; it has {known}; type for example motion.duration")
 
 
-def oscillation(run: Trajectory, slip_ratio: float, dwell: float) -> Oscillation:
-    """The motion at the end of a run of a machine without a period; `dwell` is a part of its cycle."""
+def oscillation(run: Trajectory, slip_ratio: float, dwell: float, settle: float | None = None) -> Oscillation:
+    """The motion at the end of a run of a machine without a period; `dwell` is a part of its cycle.
+
+    What is earlier than `settle` [s] is not looked at, or the first half of the run.
+    """
     run = run.with_axes
     begin, end = float(run.pieces.t[0]), float(run.pieces.t[-1])
-    late = np.unique(np.concatenate([run.t[run.t >= 0.5 * (begin + end)], [end]]))
+    settle = 0.5 * (begin + end) if settle is None else settle
+    late = np.unique(np.concatenate([run.t[run.t >= settle], [end]]))
     v = _velocities(run, late)
     swings = np.ptp(v, axis=0)
     if swings.max() <= _STEADY * float(np.max(machine_of(run.model).velocity_scale)):

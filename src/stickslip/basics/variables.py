@@ -48,12 +48,21 @@ VARIABLES: dict[str, Variable] = {
         Variable("actuator_force", "F", "N", _TIME, "force of the actuator on the body (Eq. 2.1)"),
         Variable("actuator_power", "−F dξ/dt", "W", _TIME, "mechanical power that the actuator delivers"),
         Variable("mean_velocity", "V", "m/s", _CASE, "mean steady velocity over the window after settling"),
-        Variable("motion_type", "type", "", _EACH_CONTACT, "motion type: rest, presliding, I, II, III, IV or other", "U10"),
+        Variable(
+            "motion_type",
+            "type",
+            "",
+            _EACH_CONTACT,
+            "motion type: rest, presliding, I, II, III, IV or other; without a drive stick-slip, slip, steady or not settled",
+            "U11",
+        ),
         Variable(
             "pattern", "pattern", "", _EACH_CONTACT, "signs of the velocity over one motion period, + forward, 0 stuck, - backward", "U32"
         ),
         Variable("direction", "dir", "1", _EACH_CONTACT, "+1 for net motion forwards, -1 backwards, 0 at rest", "i1"),
         Variable("period", "p", "drive periods", _CASE, "period number of the motion; 0 where none was found", "i2"),
+        Variable("duration", "T", "s", _CASE, "time until the motion of a machine without a period repeats; NaN where it does not"),
+        Variable("body_amplitude", "a", "m", _EACH_BODY, "half of the way of a body in a cycle, less the mean motion"),
         Variable("margin", "margin", "1", _EACH_CONTACT, "distance to the nearest border of the motion type; 0 is on the border"),
         Variable("stick_fraction", "s", "1", _EACH_CONTACT, "fraction of the period at rest"),
         Variable("forward_fraction", "s+", "1", _EACH_CONTACT, "fraction of the period sliding forwards"),

@@ -15,11 +15,13 @@ from stickslip.basics.interruption import partial_result
 from stickslip.basics.jsontext import as_plain
 from stickslip.basics.pool import shared
 from stickslip.basics.status import STATUS, Status
+from stickslip.solvers import solve
 from stickslip.solvers.flow_requests import flow_request
 from stickslip.solvers.flow_solving import flow_columns
 from stickslip.solvers.settings import Settings, check_rtol
 from stickslip.studies.execution import Execution
 from stickslip.studies.progress import Watch
+from stickslip.studies.self_excited import flow_motion_columns, settled_after
 from stickslip.studies.space import Space, space_of
 
 if TYPE_CHECKING:
@@ -41,13 +43,14 @@ def sweep_of_flow(
 
     _check(settings, how, along)
     space = space_of(flow, designs, axes)
-    case = _cases(flow, space, settings)
+    settle = settled_after("sweep", flow, settings.settle, settings.duration)
+    case = _cases(flow, space, settings if settle is None else replace(settings, settle=None), settle)
     watch, rows = Watch(space.cases, how.progress), [dict[str, Any]() for _ in range(space.cases)]
     with partial_result() as ending:
         for k, columns in shared(case, range(space.cases), how.workers):
             rows[k] = columns
             watch.finished(k, np.array([columns["status"]]))
-    whole = {name: _column(rows, name).reshape(space.shape) for name in next((c for c in rows if len(c) > 1), {"status": 0})}
+    whole = {name: _column(rows, name).reshape(space.shape) for name in max(rows, key=len, default={}) or {"status": 0}}
     data = {name: (space.dims, values, _attributes(name)) for name, values in whole.items()}
     coords = {name: (column.dims, column.values) for name, column in space.coords.items()}
     coords |= {name: ((), float(value)) for name, value in flow.numbers.items() if name not in coords and np.ndim(value) == 0}
@@ -70,8 +73,8 @@ def _check(settings: Settings, how: Execution, along: str | None) -> None:
     problems.check()
 
 
-def _cases(flow: SwitchingFlow, space: Space, settings: Settings) -> Callable[[int], dict[str, Any]]:
-    """The function that computes the columns of one case."""
+def _cases(flow: SwitchingFlow, space: Space, settings: Settings, settle: float | None) -> Callable[[int], dict[str, Any]]:
+    """The function that computes the columns of one case; with `settle`, those of its motion after that time too."""
     varying, fixed = space.at(np.arange(space.cases)), space.fixed
     numbers, first = ({name: value for name, value in of.items() if not name.startswith(_START)} for of in (varying, fixed))
     starts, begun = ({name.removeprefix(_START): v for name, v in of.items() if name.startswith(_START)} for of in (varying, fixed))
@@ -88,7 +91,12 @@ def _cases(flow: SwitchingFlow, space: Space, settings: Settings) -> Callable[[i
             todo = asked(k)
         except InputError:
             return {"status": Status.BAD_INPUT}
-        return flow_columns(todo.model, todo.start[0], todo.mode, float(todo.lengths[0]), float((todo.settle * todo.span)[0]))
+        start, length = todo.start[0], float(todo.lengths[0])
+        columns = flow_columns(todo.model, start, todo.mode, length, float((todo.settle * todo.span)[0]) if settle is None else settle)
+        if settle is None or columns["status"] != 0:
+            return columns
+        run = solve(todo.model, duration=length, start=start, mode=todo.mode, keep="trajectory")
+        return columns | flow_motion_columns(run, settle, todo.model.modes)
 
     good = np.flatnonzero(np.all([np.isfinite(values) for values in varying.values()], axis=0)) if varying else range(space.cases)
     if len(good):
@@ -101,16 +109,22 @@ def _column(rows: list[dict[str, Any]], name: str) -> Array:
     if name == "status":
         return np.array([columns.get("status", Status.NOT_COMPUTED) for columns in rows], np.int8)
     known = [columns[name] for columns in rows if name in columns]
+    if any(isinstance(value, str) for value in known):
+        return np.array([columns.get(name, "unsolved") for columns in rows])
     whole = all(isinstance(value, (int, np.integer)) for value in known)
     return np.array([columns.get(name, -1 if whole else np.nan) for columns in rows])
 
 
 def _attributes(name: str) -> dict[str, str]:
     """The attributes of a column."""
+    if name == "motion_type":
+        return {"long_name": "periodic, steady or not settled"}
     what, _, state = name.partition("_")
     long = {
+        "duration": "time until it repeats", "amplitude": f"half of the range of {state} in a cycle",
+        "fraction": f"part of the time in mode {state}",
         "mean": f"mean of {state}", "min": f"smallest {state}", "max": f"largest {state}", "end": f"{state} at the end",
-        "switches": "number of switches", "period": "periods of the forcing until it repeats (0: none seen)",
+        "switches": "number of switches", "period": "periods of the forcing, or turns without one, until it repeats (0: none seen)",
     }  # fmt: skip
     if name == "status":
         return {"long_name": "how the run ended", "flag_meanings": "; ".join(f"{k}: {said}" for k, said in STATUS.items())}

@@ -20,6 +20,7 @@ from stickslip.solvers.methods import SLOW
 from stickslip.solvers.settings import Settings
 from stickslip.studies.models_of_points import groups_of_points, refusals
 from stickslip.studies.result_columns import COLUMNS, part_columns
+from stickslip.studies.self_excited import settled_after
 from stickslip.studies.space import Space, space_of
 
 #: Arguments of `solve` that a sweep passes on, with their defaults in a sweep.
@@ -205,7 +206,9 @@ def _check_options(plan: Plan) -> None:
         if not groups and plan.space.cases <= 64:
             raise InputError("sweep", list(dict.fromkeys(refused.values())) or ["no robot can be made"])
         return
-    request(plan.sample, settings_of(plan.options, keep="summary"))
+    settle = settled_after("sweep", plan.sample, plan.options["settle"], plan.options["duration"])
+    options = plan.options if settle is None else {**plan.options, "settle": "auto"}
+    request(plan.sample, settings_of(options, keep="summary"))
     if plan.along is not None:
         from stickslip.studies.following import unfollowed
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 #: Prefix of the names of final states, which accompany the columns of cases from which others start.
 END = "end."
 #: Motion types in the order of their codes in files.
-TYPES = ("unsolved", "rest", "presliding", "I", "II", "III", "IV", "other")
+TYPES = ("unsolved", "rest", "presliding", "I", "II", "III", "IV", "other", "stick-slip", "slip", "steady", "not settled")
 #: Column -> type in memory. In files, floats are unchanged, words become codes, and patterns characters. Quantities of the parts of a
 #: machine are stored in a column for each part, by its index: "velocity_max.0".
 COLUMNS: dict[str, str] = {name: variable.kept for name, variable in VARIABLES.items() if variable.dims[:1] != ("time",)}
@@ -179,7 +179,7 @@ def words(name: str, values: Array) -> Array:
     """
     name = base_of(name)
     if name == "motion_type":
-        return np.array(TYPES, "U10")[values]
+        return np.array(TYPES, COLUMNS[name])[values]
     if name == "pattern":
         flat = np.ascontiguousarray(values).view("S32")[..., 0]
         codes, inverse = np.unique(flat.view(np.void), return_inverse=True) if flat.size else (flat, np.zeros(0, int))
@@ -219,7 +219,7 @@ def flags(name: str) -> dict[str, Any]:
     """CF attributes of a column of codes: flag_values and flag_meanings, with one word for each."""
     name = base_of(name)
     if name == "motion_type":
-        return {"flag_values": np.arange(len(TYPES), dtype=np.int8), "flag_meanings": " ".join(TYPES)}
+        return {"flag_values": np.arange(len(TYPES), dtype=np.int8), "flag_meanings": " ".join(TYPES).replace("not settled", "not_settled")}
     if name in CODES:
         codes = CODES[name]
         return {

@@ -75,7 +75,9 @@ def sweep(
     periods, duration, settle, rtol, method, slip_ratio, dwell
         As for `solve`; `duration` instead of `periods` is for mechanisms that have no period. `settle` is "auto" here: a case ends when
         its strobe point repeats, at most after `periods`, and its mean velocity is that of the periodic motion. For robots with Coulomb
-        friction and a harmonic drive the periodic motion is computed from a closed formula instead.
+        friction and a harmonic drive the periodic motion is computed from a closed formula instead. Of a model without a period it
+        is a time [s] below `duration`: the motion after it is looked at as by `motion`, and the columns are those of its cycle, with
+        period (turns), duration, amplitude, fractions, extremes and motion type. Each case takes a run of its own for that.
     observe : dict of Observable, optional
         User-defined columns by name: see `observable`.
     workers : int

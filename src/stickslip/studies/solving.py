@@ -28,6 +28,7 @@ from stickslip.studies.model_identity import ModelIdentities
 from stickslip.studies.models_of_points import Group, groups_of_points, starts_at
 from stickslip.studies.planning import Plan, settings_of
 from stickslip.studies.result_columns import COLUMNS, END, concatenated, empty, flattened, with_missing_cases
+from stickslip.studies.self_excited import OF_CYCLES, motion_columns, settled_after
 
 ALPHAS = ("alpha_plus", "alpha_minus")
 #: Columns that exist only for machines of one body on one contact.
@@ -103,7 +104,8 @@ def kept_columns(plan: Plan) -> tuple[str, ...]:
     """The columns that apply to the robots of a plan."""
     known = plan.sample is not None and bool(_alphas(plan.sample))
     machine = None if plan.sample is None else machine_of(plan.sample)
-    without = {*plan.space.columns, *plan.space.dims, *(() if known else ALPHAS), *_not_of(machine)}
+    cycles = settled_after("sweep", plan.sample, plan.options["settle"], plan.options["duration"]) is not None
+    without = {*plan.space.columns, *plan.space.dims, *(() if known else ALPHAS), *(() if cycles else OF_CYCLES), *_not_of(machine)}
     return (*(name for name in COLUMNS if name not in without), *plan.observed)
 
 
@@ -179,6 +181,8 @@ def columns_of(
     count = max([1, *shape_of(robot), *(len(v) for v in start.values() if np.ndim(v))])
     if not shape_of(robot) and any(np.ndim(v) for v in start.values()):  # one robot from several initial states
         robot = replace_leaf(robot, {name: np.full(count, value) for name, value in leaves(robot)})
+    settle = settled_after("sweep", robot, options["settle"], options["duration"])
+    options = options if settle is None else {**options, "settle": "auto"}
     many, more = (solver or _summary)(robot, start, options, workers, tell)
     if notes is not None:
         notes.update(notes_of_cases(many.model, many.columns))
@@ -191,6 +195,9 @@ def columns_of(
         columns_kept |= next(iter(derived.values())).values(robot, count, derived, options["periods"])
     if machine_of(robot).is_single:
         columns_kept |= _power(robot, many.columns, more) | _alphas(robot)
+    if settle is not None:
+        of_motions = motion_columns(robot, start, options, settle, columns_kept["status"])
+        columns_kept |= {name: values if names else np.reshape(values, len(values)) for name, values in of_motions.items()}
     ends = {name: values for name, values in more.items() if name.startswith(END)}
     return {each: of for name, values in columns_kept.items() for each, of in flattened(name, values, names).items()} | ends
 
