@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -41,6 +41,8 @@ class FlowMotion(Drawn):
         Fraction of the time in each mode that it goes through.
     pattern : tuple
         The modes in the order in which a cycle goes through them, from where it passes the section.
+    mean_rates : dict of float
+        Mean rate of each cyclic coordinate over the cycle, by state; without one of the second half of the run.
     change : float
         How far the states at the last return are from those of a cycle before, as a part of their swing; NaN without two returns.
 
@@ -63,6 +65,7 @@ class FlowMotion(Drawn):
     modes: dict[Any, float]
     pattern: tuple[Any, ...]
     change: float
+    mean_rates: dict[str, float] = field(default_factory=dict)
     _run: Any = None
 
     _drawn_by = "phase"
@@ -76,6 +79,11 @@ class FlowMotion(Drawn):
         return {name: 0.5 * (high - low) for name, (low, high) in self.ranges.items()}
 
     @property
+    def mean_velocity(self) -> float:
+        """Mean rate of the first cyclic coordinate; NaN of a flow without one."""
+        return next(iter(self.mean_rates.values()), np.nan)
+
+    @property
     def settled(self) -> bool:
         """Whether it repeats, or is steady."""
         return self.type != "not settled"
@@ -84,6 +92,7 @@ class FlowMotion(Drawn):
         facts: dict[str, Any] = {"type": self.type}
         if self.period is not None:
             facts["repeats after"] = f"{self.duration:.9g} ({self.period} turn{'s' * (self.period != 1)})"
+        facts |= {f"mean rate of {name}": f"{rate:.9g}" for name, rate in self.mean_rates.items()}
         if not self.settled:
             facts["change from turn to turn"] = f"{self.change:.1e} of the swing; run it for longer"
         return facts
@@ -102,15 +111,19 @@ def flow_motion(run: FlowRun, settle: float | None = None) -> FlowMotion:
     begin, end = float(run.nodes[0]), float(run.nodes[-1])
     middle = 0.5 * (begin + end) if settle is None else settle
     low, high = _range(run, middle, end)
-    if np.all(high - low <= _STILL * np.maximum(abs(run.lowest), abs(run.highest))):
+    kept = np.delete(np.arange(len(low)), run.model.drifts.free)
+    low, high, lowest, highest = (each[kept] for each in (low, high, run.lowest, run.highest))
+    if np.all(high - low <= _STILL * np.maximum(abs(lowest), abs(highest))):
         return _of(run, "steady", None, middle, end, 0.0)
     returns = run.strobe_times if run.model.period is not None else passages(run, cut_of(run))
     returns = returns[returns >= middle]
     if len(returns) < 2:
         return _of(run, "not settled", None, middle, end, np.nan)
     states = run.at(returns)
-    swing = np.maximum(high - low, 1e-300)
-    rows = np.column_stack([np.asarray(states[name], float) / size for name, size in zip(run.names, swing, strict=True)])
+    points, swing = np.column_stack([np.asarray(states[name], float) for name in run.names]), np.full(len(run.names), np.inf)
+    swing[kept] = np.maximum(high - low, 1e-300)
+    points, swing = run.model.drifts.embedded(points, swing) if run.model.drifts else (points, swing)
+    rows = points / swing
     modes = np.asarray(states["mode"])
     misses = [float(np.max(abs(rows[-1] - rows[-1 - p]))) for p in range(1, min(_LONGEST, len(rows) - 1) + 1)]
     for p, miss in enumerate(misses, start=1):
@@ -143,4 +156,6 @@ def _of(run: FlowRun, kind: str, period: int | None, begin: float, end: float, c
     pattern = tuple(label for k, label in enumerate(labels) if k == 0 or label != labels[k - 1])
     pattern = pattern[:-1] if period is not None and len(pattern) > 1 and pattern[-1] == pattern[0] else pattern
     ranges = {name: (float(a), float(b)) for name, a, b in zip(run.names, low, high, strict=True)}
-    return FlowMotion(kind, period, end - begin if period else np.nan, ranges, parts, pattern, change, run)
+    at, cyclic = run.at(np.array([begin, end])), run.model.drifts.names
+    rates = {name: float((at[name][1] - at[name][0]) / (end - begin)) for name in cyclic}
+    return FlowMotion(kind, period, end - begin if period else np.nan, ranges, parts, pattern, change, rates, run)

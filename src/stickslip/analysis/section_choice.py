@@ -90,9 +90,9 @@ def asked_for(what: str, section: Any, model: Any) -> Asked:
 
 
 def state_names(model: Any) -> tuple[str, ...]:
-    """Names of the states of a model by which a section may be cut: of a machine its velocities and positions."""
+    """Names of the states of a model by which a section may be cut: of a machine velocities and positions, of a flow what comes back."""
     if is_flow(model):
-        return tuple(model.states)
+        return tuple(name for name in model.states if name not in model.cyclic)
     order = order_of(model)
     return tuple(name for i, name in enumerate(order.names) if not order.inner.start <= i < order.inner.stop)
 
@@ -101,7 +101,7 @@ def states_in(run: Any, t: Array) -> dict[str, Array]:
     """These states of a run at some instants, by name."""
     if is_flow(run.model):
         states = run.at(t)
-        return {name: np.asarray(states[name], float) for name in run.names}
+        return {name: np.asarray(states[name], float) for name in run.names if name not in run.model.cyclic}
     order, run = order_of(run.model), run.with_axes
     columns = coordinates_in(run.model, *run._states_at(t, run._index(t)))
     return {name: np.asarray(columns[i], float) for i, name in enumerate(order.names) if name in state_names(run.model)}

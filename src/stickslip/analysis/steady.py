@@ -15,7 +15,7 @@ from stickslip.models.switching_flow import is_flow
 from stickslip.records import measures
 from stickslip.records.record import Record
 from stickslip.results import recurrence, steadiness
-from stickslip.results.flow_run import NO_BODIES
+from stickslip.results.flow_run import NO_BODIES, FlowRun
 from stickslip.results.summary import Summary
 from stickslip.results.trajectory import Trajectory
 from stickslip.results.verbs import OfOneRun
@@ -43,7 +43,7 @@ def mean_velocity(run: Any, body: int | str | None = None, frequency: float | No
 
     The window is the part after settling, or the whole run if the model has no period. If the motion repeats, it is a whole number of
     motion periods, not just of drive periods. For a machine of several bodies the velocity is that of their centre of mass, or of one of
-    them.
+    them; for a flow the mean rate of its first cyclic coordinate.
 
     Parameters
     ----------
@@ -80,6 +80,8 @@ def mean_velocity(run: Any, body: int | str | None = None, frequency: float | No
         return measures.mean_velocity(run, frequency).value
     of_a_record("mean_velocity", run, frequency=frequency)
     if isinstance(run, OfOneRun):
+        return run.mean_velocity
+    if isinstance(run, FlowRun) and run.model.cyclic:
         return run.mean_velocity
     is_run("mean_velocity", run)
     if run.model.period is not None and len(run.strobe_times) < 2:
@@ -233,9 +235,7 @@ def periodic_mean_velocity(model: Model, periods: int = 2000, rtol: float = 1e-1
     0.002032039
     """
     if is_flow(model):
-        raise InputError(
-            "periodic_mean_velocity", ["a flow has no displacement; type ss.solve(flow, keep='summary', ...) for the means of its states"]
-        )
+        return _mean_of_flows(model, periods)
     if model.period is None:
         return _mean_of_cycles(model, periods, rtol)
     closed = closed_mean_velocity(model)
@@ -252,6 +252,29 @@ def periodic_mean_velocity(model: Model, periods: int = 2000, rtol: float = 1e-1
             many: Any = solve(some_of(model, left), periods=periods, settle="auto", rtol=min(looser * rtol, 1e-3), keep="summary")
             means[left] = np.where(many.period > 0, many.mean_velocity, np.nan)
     return means.reshape(shape)[()]
+
+
+def _mean_of_flows(flow: Any, periods: int) -> Any:
+    """The same of flows with a cyclic coordinate: of runs in which strobe points repeat, or which end in a cycle."""
+    from stickslip.analysis.flow_motion import flow_motion
+    from stickslip.basics.batch import cases_of, shape_of
+    from stickslip.solvers import solve
+
+    if not flow.cyclic:
+        why = "none of the states of the flow is a displacement; allowed is a flow of which one is"
+        how = "type ss.SwitchingFlow(..., cyclic=('x',)), or ss.solve(flow, keep='summary', ...) for the means of its states"
+        raise InputError("periodic_mean_velocity", [f"{why}; {how}"])
+
+    def mean(case: Any) -> float:
+        count = min(_FIRST, periods)
+        while True:
+            span: dict[str, Any] = {"periods": count} if case.period is not None else {"duration": float(count)}
+            motion = flow_motion(solve(case, keep="trajectory", **span))
+            if motion.settled or count >= periods:
+                return motion.mean_velocity if motion.settled else np.nan
+            count = min(2 * count, periods)
+
+    return np.array([mean(case) for case in cases_of(flow)]).reshape(shape_of(flow))[()]
 
 
 def _mean_of_cycles(model: Model, periods: int, rtol: float) -> Any:

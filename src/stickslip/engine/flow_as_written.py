@@ -57,12 +57,17 @@ def _numbers(value: Any) -> tuple[Any, ...]:
     return tuple(float(row) if np.ndim(row) == 0 else float(np.ravel(row)[0]) for row in rows)
 
 
-def _plain(flow: SwitchingFlow) -> Any:
+def single_plain(flow: SwitchingFlow) -> Any:
     """The flow with the numbers of its first case."""
     return flow.replace({name: float(np.ravel(v)[0]) if is_array(v) else v for name, v in flow.numbers.items()}).plain
 
 
-def _points(flow: SwitchingFlow, n: int) -> list[tuple[float, list[float]]]:
+def values_of_functions(plain: SwitchingFlow, t: float, y: list[float]) -> dict[str, Any]:
+    """What every function of a flow without numbers gives at a state, by the function's name; the words of an error where it raises one."""
+    return answers(_calls(plain, t, y))
+
+
+def points_of(flow: SwitchingFlow, n: int) -> list[tuple[float, list[float]]]:
     """Times and states at which a flow is asked, always the same."""
     draw, period = random.Random(20261128), flow.period
     scales = [float(np.ravel(s)[0]) for s in flow.scales or (1.0,) * (n - len(flow.inner))] + [1.0] * len(flow.inner)
@@ -75,8 +80,8 @@ def _points(flow: SwitchingFlow, n: int) -> list[tuple[float, list[float]]]:
 
 def first_of(flow: SwitchingFlow, n: int) -> First:
     """The functions of a flow, to be asked whether they have changed, and whether they give the same twice."""
-    plain = _plain(flow)
-    (t, y), (s, x), *_ = _points(flow, n)
+    plain = single_plain(flow)
+    (t, y), (s, x), *_ = points_of(flow, n)
 
     def check() -> Any:
         return check_repeatable(_WHAT, _calls(plain, t, y), _calls(plain, s, x), _calls(plain, t, y))
@@ -88,9 +93,9 @@ def check_flow_as_written(flow: SwitchingFlow, n: int) -> None:
     """`InputError` where traced functions of a flow differ from trace to trace, or from what plain Python gives."""
     one, other = TracedFlow(flow, n), TracedFlow(flow, n)
     check_traces(_WHAT, one.expressions, other.expressions)
-    points = _points(flow, n)
+    points = points_of(flow, n)
     traced, aside = _values(one, flow, points, 0.0), _values(one, flow, points, _ASIDE)
-    plain = _plain(flow)
+    plain = single_plain(flow)
     for k, (t, y) in enumerate(points):
         for name, given in answers(_calls(plain, t, y)).items():
             if isinstance(given, str):

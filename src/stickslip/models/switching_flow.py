@@ -22,6 +22,7 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.basics.fields import checked_number, floats, is_array
 from stickslip.basics.maths import cos, pi
+from stickslip.models.cyclic_coordinates import CyclicCoordinates, checked_cyclic, lengths_of
 from stickslip.models.flow_contacts import FlowContact, check_contacts, inner_names, inner_scales, mode_labels, resting_contacts
 
 Mode = Hashable
@@ -83,11 +84,17 @@ class SwitchingFlow:
     contacts : dict of FlowContact, optional
         Contacts that rub, by name. Rest, break-away and the direction of slip are then modes of the flow, which follow from the state;
         inner states of their laws are further states, ``z_name``, behind those of the field.
+    cyclic : str, tuple of str, or dict, optional
+        States that drift while the motion repeats: names of those on which no function of the flow depends, such as a displacement, or
+        name -> length after which all of them repeat, such as ``{"angle": 2 * np.pi}`` (a number, or a function of the numbers; None
+        for no dependence). The first is the displacement whose mean rate is the flow's mean velocity. The functions are asked whether
+        it is so.
 
     Raises
     ------
     InputError
-        For inconsistent modes, such as a switch to a mode that has no field.
+        For inconsistent modes, such as a switch to a mode that has no field; where it is first solved, for functions that depend on a
+        state that is called cyclic.
 
     Examples
     --------
@@ -115,6 +122,7 @@ class SwitchingFlow:
     states: tuple[str, ...] | None
     scales: Sequence[Any] | None
     contacts: Mapping[str, FlowContact]
+    cyclic: Mapping[str, Any]
 
     def __init__(
         self,
@@ -125,6 +133,7 @@ class SwitchingFlow:
         states: tuple[str, ...] | None = None,
         scales: Sequence[float] | None = None,
         contacts: Mapping[str, FlowContact] | None = None,
+        cyclic: str | Sequence[str] | Mapping[str, Any] | None = None,
     ):
         fields = {0: fields} if callable(fields) else fields
         problems, switches, numbers = Problems("SwitchingFlow"), {} if switches is None else switches, {} if numbers is None else numbers
@@ -135,10 +144,11 @@ class SwitchingFlow:
         _check_scales(problems, scales, states)
         _check_period(problems, period, numbers)
         contacts = check_contacts(problems, contacts, fields)
+        drifting = checked_cyclic(problems, cyclic, states, numbers)
         problems.check()
         names, sizes = (None if given is None else tuple(given) for given in (states, scales))
         own = {"fields": dict(fields), "switches": dict(switches), "forcing": period, "numbers": numbers, "states": names, "scales": sizes}
-        own["contacts"] = contacts
+        own |= {"contacts": contacts, "cyclic": drifting}
         for name, value in own.items():
             object.__setattr__(self, name, value)
         for contact in contacts.values():
@@ -206,7 +216,8 @@ class SwitchingFlow:
         new = {**(changes or {}), **numbers}
         if wrong := [name for name in new if name not in self.numbers]:
             raise InputError("SwitchingFlow", [f"{name!r} is not a number of the flow; {_known(name, self.numbers)}" for name in wrong])
-        return SwitchingFlow(self.fields, self.switches, self.forcing, {**self.numbers, **new}, self.states, self.scales, self.contacts)
+        numbers = {**self.numbers, **new}
+        return SwitchingFlow(self.fields, self.switches, self.forcing, numbers, self.states, self.scales, self.contacts, self.cyclic)
 
     @property
     def plain(self) -> SwitchingFlow:
@@ -220,7 +231,8 @@ class SwitchingFlow:
             for mode, exits in self.switches.items()
         }
         contacts = {name: contact.with_numbers(self.given) for name, contact in self.contacts.items()}
-        return SwitchingFlow(fields, switches, self.period, {}, self.states, self.scales, contacts)
+        cyclic = {n: length(self.given) if callable(length) else length for n, length in self.cyclic.items()}
+        return SwitchingFlow(fields, switches, self.period, {}, self.states, self.scales, contacts, cyclic)
 
     def to_toml(self) -> str:
         """Raise `InputError`: the functions of a flow are Python code, which cannot be stored in a file."""
@@ -268,6 +280,11 @@ class SwitchingFlow:
         own = (1.0,) * len(self.states or ()) if self.scales is None else self.scales
         return (*own, *inner_scales(self.contacts, (0.0,) * len(own), *self._numbers))
 
+    @property
+    def drifts(self) -> CyclicCoordinates:
+        """The cyclic coordinates, by their places among the states."""
+        return lengths_of(self.cyclic, self.states, self.numbers)
+
     def names(self, count: int) -> tuple[str, ...]:
         """Names of `count` states."""
         own = count - len(self.inner)
@@ -286,6 +303,11 @@ _NO_FILE = "the functions of a flow are Python, which no file holds; write them 
 def is_flow(model: Any) -> bool:
     """Whether an object declares fields by modes and the switches between them, as a `SwitchingFlow` does."""
     return isinstance(getattr(model, "fields", None), Mapping) and isinstance(getattr(model, "switches", None), Mapping)
+
+
+def makes_way(model: Any) -> bool:
+    """Whether a model has a displacement: a machine, or a flow with a cyclic coordinate."""
+    return not is_flow(model) or bool(model.cyclic)
 
 
 def _with_numbers(f: Callable[..., Any], n: Any) -> Callable[[Any, Any], Any]:

@@ -16,6 +16,7 @@ from stickslip.basics.errors import InputError, NoBodies, did_you_mean
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.models.flow_contacts import ContactColumns, contact_columns
 from stickslip.results.datasets import FileColumns
+from stickslip.results.flow_drift import mean_rates
 from stickslip.results.flow_pieces import ModeChange, extremes
 from stickslip.results.storage import save_table
 from stickslip.results.trajectory import APERIODIC, Trajectory
@@ -209,10 +210,17 @@ class FlowRun(Trajectory):
         early = [f"the run was {self.status}"] if self.interrupted else []
         return [*early, *([f"{self.method}: {self.provenance['why']}"] if self.provenance.get("why") else [])]
 
+    @cached_property
+    def mean_rates(self) -> dict[str, float]:
+        """Mean rate of each cyclic coordinate, by name, over whole motion periods after settling (of all the run without a period)."""
+        return mean_rates(self)
+
     @property
     def mean_velocity(self) -> float:
-        """A flow has no displacement: `NoBodies`."""
-        raise NoBodies("mean_velocity", [NO_BODIES])
+        """Mean rate of the first cyclic coordinate; `NoBodies` of a flow without one, which has no displacement."""
+        if not self.model.cyclic:
+            raise NoBodies("mean_velocity", [f"{NO_BODIES}, or ss.SwitchingFlow(..., cyclic='x') to say which state is a displacement"])
+        return next(iter(self.mean_rates.values()))
 
     if not TYPE_CHECKING:
 

@@ -13,8 +13,9 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import look
 from stickslip.basics.status import STATUS, Status
 from stickslip.engine import lanes
+from stickslip.engine.cyclic_equations import check_cyclic
 from stickslip.engine.flow_as_written import check_flow_as_written, first_of
-from stickslip.engine.flow_system import BEGIN, MOST, SIZE, FlowSystem, flow_system
+from stickslip.engine.flow_system import BEGIN, MOST, SIZE, FlowSystem, TracedFlow, flow_system
 from stickslip.engine.kinds import Editions
 from stickslip.engine.remembered import Remembered
 from stickslip.engine.section import RETURNS, VALUE, until_section, weight_of
@@ -75,7 +76,7 @@ def unknown(flow: SwitchingFlow, n: int) -> str:
 def _parts(flow: SwitchingFlow, n: int) -> Any:
     """The parts of a flow that determine its equations: its functions, and the names of its numbers."""
     switches = tuple((mode, tuple(exits)) for mode, exits in flow.switches.items())
-    return tuple(flow.fields.items()), switches, tuple(flow.contacts.items()), tuple(flow.numbers), n
+    return tuple(flow.fields.items()), switches, tuple(flow.contacts.items()), tuple(flow.numbers), tuple(flow.cyclic.items()), n
 
 
 def check_flow(flow: SwitchingFlow, n: int) -> Any:
@@ -98,8 +99,10 @@ def traced_flow(flow: SwitchingFlow, n: int) -> FlowEquations:
         try:
             system = flow_system(flow, n)
         except Exception as error:  # whatever a user's function raises when it is given symbols: on plain numbers it may be right
+            check_cyclic(flow, n)
             return FlowEquations(None, str(error) or type(error).__name__, key)
         check_flow_as_written(flow, n)
+        check_cyclic(flow, n, TracedFlow(flow, n) if flow.cyclic else None)
         return FlowEquations(system, "", key)
 
     key = check_flow(flow, n)

@@ -12,15 +12,13 @@ from stickslip.basics.errors import SolveError
 from stickslip.basics.interruption import is_stopped, look, partial_result
 from stickslip.basics.status import Status, interrupted_at
 from stickslip.engine.texts import recurrence
+from stickslip.results.flow_drift import repeats_after
 from stickslip.results.flow_pieces import FlowPieces, extremes, polynomials
 from stickslip.results.flow_run import FlowRun
 from stickslip.results.summary import Summary
 from stickslip.solvers.flow_engine import follow_flow
 from stickslip.solvers.settings import Request, versions
 from stickslip.solvers.stopped import FAILURES
-
-_LONGEST = 32  # periods after which a motion may repeat
-_SAME = 1e-8  # of its size: strobe points this close are one
 
 
 def run(todo: Request) -> Any:
@@ -85,6 +83,7 @@ def flow_columns(flow: Any, y: Array, mode: Any, span: float, settled: float, wh
         if why is not None:
             why.append(str(error))
         unsolved = {f"{what}_{name}": np.nan for what in ("mean", "min", "max", "end") for name in names}
+        unsolved |= {"mean_velocity": np.nan} if flow.cyclic else {}
         counts = {"end_mode": -1, "switches": -1} | ({"period": 0} if flow.period is not None else {})
         return unsolved | counts | {"status": Status.FAILED if error.status is None else error.status}
     nodes, c, end = done.nodes, done.coefficients, done.state
@@ -95,13 +94,16 @@ def flow_columns(flow: Any, y: Array, mode: Any, span: float, settled: float, wh
     columns |= {f"min_{name}": low[i] for i, name in enumerate(names)} | {f"max_{name}": high[i] for i, name in enumerate(names)}
     columns |= {f"end_{name}": end[i] for i, name in enumerate(names)}
     columns |= {"end_mode": list(flow.modes).index(done.mode), "switches": len(done.events)}
+    if flow.drifts:
+        columns["mean_velocity"] = float((end - c[0, :, 0])[flow.drifts.places[0]] / (nodes[-1] - nodes[0]))
     if flow.period is not None:
-        columns["period"] = _period(nodes, c, end, float(flow.period))
+        columns["period"] = _period(flow, nodes, c, end)
     return columns | {"status": 0}
 
 
-def _period(nodes: Array, c: Array, end: Array, T: float) -> int:
+def _period(flow: Any, nodes: Array, c: Array, end: Array) -> int:
     """After how many periods of the forcing the motion repeats; 0 if that is not seen."""
+    T = float(flow.period)
     t = nodes[0] + np.arange(int((nodes[-1] - nodes[0]) / T + 1e-9) + 1) * T
     if len(t) < 3:
         return 0
@@ -109,7 +111,4 @@ def _period(nodes: Array, c: Array, end: Array, T: float) -> int:
     index = np.clip(np.searchsorted(nodes, t, side="right") - 1, 0, len(c) - 1)
     y = polynomials(c[index], (t - nodes[index]) / (nodes[index + 1] - nodes[index]))
     y[-1] = end
-    points = np.column_stack([np.zeros(len(y)), y])
-    scales = np.full(c.shape[1], max(float(abs(y).max()), 1e-300))
-    last = len(points) - 1
-    return int(recurrence().period_number(points, last, last, _LONGEST, scales, _SAME, _SAME)[0])
+    return repeats_after(flow, y, recurrence())

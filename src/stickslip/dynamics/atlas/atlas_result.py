@@ -22,6 +22,7 @@ from stickslip.dynamics.attractors.basins import wilson
 from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
 from stickslip.dynamics.attractors.kinds_of_motion import UNDONE
 from stickslip.dynamics.continuation.special_points.accuracy import certain
+from stickslip.models.switching_flow import makes_way
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -132,7 +133,7 @@ class Atlas(Drawn):
             starts = self.plane.count + point.more
             for k, each in enumerate(point.motions):
                 motion[(*cell, k)], period[(*cell, k)] = each.word, each.period
-                V = np.nan if self.plane.of_flows else each.mean_velocity
+                V = each.mean_velocity if makes_way(self.plane.sample) else np.nan
                 numbers[(*cell, k)] = [V, each.hits / starts, *wilson(each.hits, starts), *each.state]
         columns = OF_ATTRACTORS | {name: state_attrs(name, "on the strobe", self.plane.of_flows) for name in names}
         return {

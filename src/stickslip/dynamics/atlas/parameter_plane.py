@@ -104,7 +104,7 @@ class Plane:
 
     @cached_property
     def of_flows(self) -> bool:
-        """Whether they are flows, which make no way."""
+        """Whether they are flows."""
         return is_flow(self.sample)
 
     @property

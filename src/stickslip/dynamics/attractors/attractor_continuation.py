@@ -14,7 +14,7 @@ from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.interruption import interruptible, look, partial_result
 from stickslip.dynamics.attractors.basins import Attractor, grid_of, on_grid, start_axes, wilson
-from stickslip.dynamics.attractors.bifurcation_diagrams import checked_values, state_attrs
+from stickslip.dynamics.attractors.bifurcation_diagrams import checked_values, state_attrs, velocity_attrs
 from stickslip.dynamics.attractors.kinds_of_motion import RUNS_AWAY, UNDONE, UNSETTLED, UNSOLVED, of_motions
 from stickslip.dynamics.attractors.mirror_images import mirror_images
 from stickslip.dynamics.attractors.motion_features import Features, features_of, motion_numbers
@@ -24,7 +24,7 @@ from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.chunked_runs import Report
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, spread_over
-from stickslip.models.switching_flow import is_flow
+from stickslip.models.switching_flow import is_flow, makes_way
 from stickslip.studies.progress import Watch
 
 if TYPE_CHECKING:
@@ -297,9 +297,11 @@ def _dataset(robots: Family, parameter: str, values: Array, tracks: list[_Track]
             period[i, k], motion[i, k] = a.period, a.kind
             image[i, k] = track.images.get(k, -1)
             numbers[i, k] = [a.mean_velocity, a.share, *a.interval, a.exponent, a.error, *a.state]
-    both, flow = ("attractor", parameter), is_flow(robots.robot(values[0]))
+    both, model = ("attractor", parameter), robots.robot(values[0])
+    flow = is_flow(model)
     about = (
         OF_ATTRACTORS
+        | {"mean_velocity": velocity_attrs(model)}
         | {name: of_motions(at.section is not None)[name] for name in ("exponent", "error")}
         | {name: state_attrs(name, "on the strobe" if at.section is None else "on the section", flow) for name in at.names}
     )
@@ -313,7 +315,7 @@ def _dataset(robots: Family, parameter: str, values: Array, tracks: list[_Track]
         name: ((parameter,), lost[:, i], {"units": "1", "long_name": name_of_end})
         for i, (name, (_, name_of_end)) in enumerate(_LOST.items())
     }
-    if flow:
+    if not makes_way(model):
         del columns["mean_velocity"]
     for name, name_of_end in (("begins", _begins), ("ends", _ends)):
         texts = np.array([name_of_end(track, values) for track in tracks], dtype=str)

@@ -16,7 +16,7 @@ from stickslip.basics.fields import floats
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible
 from stickslip.basics.notebook_display import Drawn
-from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
+from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs, velocity_attrs
 from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, PERIODIC, STEADY, UNSETTLED, of_motions
 from stickslip.dynamics.attractors.mirror_images import image_in_words, mirror_images
 from stickslip.dynamics.attractors.motion_features import Features, features_of, motion_numbers
@@ -26,7 +26,7 @@ from stickslip.dynamics.stroboscopic.chunked_runs import Report
 from stickslip.dynamics.stroboscopic.phase_shift import shifted_robots
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over, state_at_rest
-from stickslip.models.switching_flow import is_flow
+from stickslip.models.switching_flow import is_flow, makes_way
 from stickslip.solvers.request import LARGEST_START
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ class Attractor:
     period : int
         Drive periods until it repeats, or returns to the section; 0 where it does not.
     mean_velocity : float
-        V [m/s]; nan of a flow, which makes no way.
+        V [m/s]; of a flow the mean rate of its first cyclic coordinate, nan of one without.
     state : array
         A strobe state on it.
     share : float
@@ -59,6 +59,8 @@ class Attractor:
     image : str
         Of a machine in which forwards and backwards are alike: "the mirror image of attractor 0", by its number among the attractors, or
         "its own mirror image"; empty where no mirror image is known.
+    unit : str
+        Of the mean velocity; empty of a flow, whose states have none.
     """
 
     kind: str
@@ -71,6 +73,7 @@ class Attractor:
     exponent: float = np.nan
     error: float = np.nan
     image: str = ""
+    unit: str = "m/s"
 
     @property
     def word(self) -> str:
@@ -87,7 +90,7 @@ class Attractor:
         return f"{self.interval[0]:.3f} to {self.interval[1]:.3f}"
 
     def __repr__(self) -> str:
-        way = f"V = {self.mean_velocity:.7g} m/s, " if np.isfinite(self.mean_velocity) else ""
+        way = f"V = {self.mean_velocity:.7g} {self.unit}, ".replace(" ,", ",") if np.isfinite(self.mean_velocity) else ""
         image = f", {self.image}" if self.image else ""
         return f"<Attractor: {self.word}, {way}share {self.share:.3f} ({self._bounds}){image}>"
 
@@ -300,7 +303,7 @@ def _gathered(model: Model, axes: dict[str, Array], settled: Settled, at: Coordi
     cases = int(np.count_nonzero(settled.kind != NOT_COMPUTED))
     columns = {
         "attractor": (dims, rank[number].reshape(shape), {"long_name": "number of the attractor (-1: none)"}),
-        **({} if flow else {"mean_velocity": (dims, motions.mean_velocity.reshape(shape), {"units": "m/s", "long_name": "mean velocity"})}),
+        **({"mean_velocity": (dims, motions.mean_velocity.reshape(shape), velocity_attrs(model))} if makes_way(model) else {}),
         "period": (dims, settled.period.reshape(shape), {"units": "1", "long_name": "motion period (0: none, -1: not computed)"}),
         **{
             name: (dims, column.reshape(shape), about)
@@ -335,9 +338,10 @@ def _attractor(
     orbit = None
     with suppress(SolveError, InputError):
         orbit = orbit_near(model, count, state, at) if count and not by_phase else None
-    share, way = len(members) / cases, np.nan if is_flow(model) else float(np.mean(motions.mean_velocity[members]))
+    share, way = len(members) / cases, float(np.mean(motions.mean_velocity[members])) if makes_way(model) else np.nan
     exponent, error = (float(np.mean(each[members])) for each in (settled.exponent, settled.error))
-    return Attractor(kind, count, way, state, share, wilson(len(members), cases), orbit, exponent, error, image)
+    unit = "" if is_flow(model) else "m/s"
+    return Attractor(kind, count, way, state, share, wilson(len(members), cases), orbit, exponent, error, image, unit)
 
 
 def wilson(hits: int, cases: int, z: float = 1.959963984540054) -> tuple[float, float]:

@@ -24,7 +24,7 @@ from stickslip.dynamics.stroboscopic.chunked_runs import Report, over_chunks
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, strobe_map
 from stickslip.models.naming import in_its_unit
-from stickslip.models.switching_flow import is_flow
+from stickslip.models.switching_flow import is_flow, makes_way
 from stickslip.studies.progress import Watch
 
 if TYPE_CHECKING:
@@ -197,14 +197,16 @@ def _dataset(how: _Look, parameter: str, values: Array, diagram: dict[str, Array
     import xarray as xr
 
     whole, flat = ("direction", parameter, "point"), ("direction", parameter)
-    at, flow = how.at, is_flow(how.robots.robot(values[0]))
+    at, model = how.at, how.robots.robot(values[0])
+    flow = is_flow(model)
     columns: dict[str, Any] = {
         n: (whole, diagram["points"][..., i], state_attrs(n, "on the strobe" if at.section is None else "on the section", flow))
         for i, n in enumerate(at.names)
     }
-    if not flow:  # which makes no way
-        columns["displacement"] = (whole, diagram["displacement"], {"units": "m", "long_name": "displacement in a drive period"})
-        columns["mean_velocity"] = (flat, diagram["mean_velocity"], {"units": "m/s", "long_name": "mean velocity"})
+    if makes_way(model):
+        way = {"units": "1" if flow else "m", "long_name": "displacement in a drive period"}
+        columns["displacement"] = (whole, diagram["displacement"], way)
+        columns["mean_velocity"] = (flat, diagram["mean_velocity"], velocity_attrs(model))
     columns["period"] = (flat, diagram["period"], {"units": "1", "long_name": "drive periods until it repeats (0: none, -1: not computed)"})
     columns |= {name: (flat, diagram[name], attributes) for name, attributes in of_motions(at.section is not None).items()}
     if at.mechanics is None and not flow:
@@ -214,6 +216,11 @@ def _dataset(how: _Look, parameter: str, values: Array, diagram: dict[str, Array
         columns["duration"] = (flat, diagram["duration"], {"units": "s", "long_name": "time until the motion repeats"})
     coords = {parameter: (parameter, values, how.robots.describe(parameter)), "direction": list(directions)}
     return xr.Dataset(columns, coords, {"parameter": parameter, "settle": how.settle, "limit": how.limit})
+
+
+def velocity_attrs(model: Any) -> dict[str, str]:
+    """Unit and name of a mean velocity; nobody knows the units of a flow's states."""
+    return {"units": "1" if is_flow(model) else "m/s", "long_name": "mean velocity"}
 
 
 def state_attrs(name: str, when: str, flow: bool = False) -> dict[str, str]:

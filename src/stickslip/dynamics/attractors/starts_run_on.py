@@ -105,7 +105,7 @@ class StartsRun:
         watched = self.watched
         watched.points[rows], watched.ways[rows], watched.times[rows], good = result
         fine = good & np.isfinite(watched.points[rows]).all(axis=(1, 2))
-        period = np.where(fine, periods_of(watched.points[rows], self.at.scales, self.tolerance), 0)
+        period = np.where(fine, periods_of(*self.at.embedded(watched.points[rows]), self.tolerance), 0)
         watched.period[rows], watched.run[rows] = period, total
         watched.kind[rows] = np.where(period > 0, PERIODIC, np.where(fine, UNSETTLED, UNSOLVED))
         self.left = rows[fine & (period == 0) & ~self._gone(rows)]

@@ -151,12 +151,13 @@ def _checked(what: str, x0: ArrayLike, whole: dict[str, Any], **numbers: tuple[A
 def exponents_of(flow: Any, state: Numeric, mode: Any, *, duration: float, settle: float, every: float, rtol: float) -> tuple[Array, float]:
     """Growth in every stretch of a switching flow, right at its switches: array (stretches, n), and the length of a stretch."""
     y, t, every = np.array(state, float), 0.0, float(flow.period or every)
-    Q, logs = np.eye(len(y)), np.empty((max(int(duration / every), 1), len(y)))
+    n = len(y) - len(flow.drifts.free)
+    Q, logs = np.eye(n), np.empty((max(int(duration / every), 1), n))
     for k in range(-int(np.ceil(max(settle, 0.0) / every)), len(logs)):
         done = passage(flow, y, mode, every, begin=t, rtol=rtol)
-        y, mode, t = done.state, done.mode, t + every
+        y, mode, t = flow.drifts.wrapped(done.state), done.mode, t + every
         if k >= 0:
-            Q, logs[k] = grown(done.monodromy, Q)
+            Q, logs[k] = grown(flow.drifts.without(done.monodromy), Q)
     return logs, every
 
 

@@ -136,7 +136,7 @@ def _between_returns(
     model: Model, periods: int, settle: int, start: Any, rtol: float, progress: Report | None, at: Coordinates
 ) -> tuple[Lyapunov, bool]:
     """The same of a model without a period, from return to return to its section; the exponent along the motion, 0, is among them."""
-    d, state, scales = at.smooth, states_of(start, model), at.scales[: at.smooth]
+    d, state, scales = at.smooth - len(at.drifts.free), states_of(start, model), at.scales[: at.smooth]
     state = strobe_map(model, state, settle, rtol, at).state if settle else state
     Q, parts, watch = np.eye(d), -_ALIGN, Watch(periods, progress)
     growth = partial(_growth_of_flow, model) if is_flow(model) else partial(_growth_of_machine, model, scales, rtol)
@@ -172,7 +172,7 @@ def _growth_of_machine(model: Model, scales: Array, rtol: float, begins: Array, 
 def _growth_of_flow(flow: Any, begins: Array, took: Array) -> list[tuple[Array, Any]]:
     """The same of a flow, right at its switches; of its volume it is only known where a switch wipes out a direction."""
     passed = [passage(flow, state[:-1], mode_of_strobe_state(flow, state), float(time)) for state, time in zip(begins, took, strict=True)]
-    return [(each.monodromy, -np.inf if each.rank_deficient else np.nan) for each in passed]
+    return [(flow.drifts.without(each.monodromy), -np.inf if each.rank_deficient else np.nan) for each in passed]
 
 
 def _of_flow(flow: Any, periods: int, settle: int, start: Any) -> Lyapunov:

@@ -10,9 +10,8 @@ import numpy as np
 from stickslip.analysis.section_choice import asked_for
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import SolveError
-from stickslip.dynamics.flows.flow_orbits import FlowOrbit, closed_once, touches
+from stickslip.dynamics.flows.flow_orbits import FlowOrbit, closed_once, multipliers_of_passage, touches
 from stickslip.dynamics.flows.flow_stretches import passage
-from stickslip.dynamics.periodic.closed_orbits import multipliers_of
 from stickslip.dynamics.periodic.cycle_sections import Section
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chosen_sections import LONGEST_CYCLE, on_section, shown_by_a_run, turns_shown
@@ -42,7 +41,7 @@ def on_its_section(orbit: FlowOrbit, at: Coordinates) -> FlowOrbit:
         return orbit
     y, mode = begun[:-1], mode_of_strobe_state(flow, begun)
     done = passage(flow, y, mode, orbit.duration)
-    residual = float(abs(done.state - y).max())
+    residual = float(abs(flow.drifts.difference(done.state, y)).max())
     if done.mode != mode or residual > max(1e3 * orbit.residual, 1e-9 * float((done.highest - done.lowest).max())):
         return orbit
     times = np.cumsum(strobe_points(flow, begun[None, :], LONGEST_CYCLE, 1e-12, replace(at, section=replace(at.section, turns=1)))[2][:, 0])
@@ -56,8 +55,7 @@ def cycle_at(flow: Any, strobe_state: Array, duration: float, residual: float, s
     y, mode = strobe_state[:-1], mode_of_strobe_state(flow, strobe_state)
     done = passage(flow, y, mode, duration)
     touched = () if np.isfinite(done.monodromy).all() else (touches(done),)
-    multipliers = multipliers_of(done.monodromy, done.rank_deficient, True)
-    return FlowOrbit(y, mode, duration, multipliers, residual, done, touched, flow, turns, section)
+    return FlowOrbit(y, mode, duration, multipliers_of_passage(flow, done), residual, done, touched, flow, turns, section)
 
 
 def cycle_shown(flow: Any, period: int | None, guess: Any, section: Any = None) -> FlowOrbit:

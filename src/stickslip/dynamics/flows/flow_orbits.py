@@ -193,7 +193,7 @@ def flow_orbit(
     for _ in range(settle if flow.period else 0):
         done = passage(flow, y, mode, T, **how)
         y, mode = done.state, done.mode
-    return _once(flow, _closed(flow, y, mode, T, most, how), periods, most, how)
+    return _once(flow, _closed(flow, flow.drifts.wrapped(y), mode, T, most, how), periods, most, how)
 
 
 def _checked(flow: Any, state: Any, mode: Any, periods: Any, duration: Any, settle: Any, most: Any, rtol: Any, method: Any) -> Array:
@@ -217,8 +217,7 @@ def _closed(flow: SwitchingFlow, y: Array, mode: Any, T: float, most: int, how: 
     """The orbit to which Newton's method goes from a guess."""
     free, guessed, done = flow.period is None, T, passage(flow, y, mode, T, **how)
     for _ in range(most):
-        miss = done.state - y
-        size, extent, scale = float(abs(miss).max()), float((done.highest - done.lowest).max()), float(1 + abs(y).max())
+        size, extent, scale = float(abs(_miss(flow, y, done)).max()), _extent(flow, done), float(1 + abs(y).max())
         still = extent <= max(_STILL * scale, 3 * size)
         if size <= 3 * how["rtol"] * scale and done.mode == mode and (not free if still else extent >= _APART * size):
             break
@@ -235,23 +234,38 @@ def _closed(flow: SwitchingFlow, y: Array, mode: Any, T: float, most: int, how: 
     notes = ("it is an equilibrium: nothing moves, and it repeats after any time",) if still else ()
     if not np.isfinite(done.monodromy).all():
         raise SolveError(touches(done))
-    return FlowOrbit(y, mode, T, multipliers_of(done.monodromy, done.rank_deficient, free), size, done, notes, flow)
+    return FlowOrbit(y, mode, T, multipliers_of_passage(flow, done), size, done, notes, flow)
+
+
+def multipliers_of_passage(flow: SwitchingFlow, done: Passage) -> Array:
+    """The multipliers of an orbit gone around once, without those of shifts along it and of cyclic coordinates."""
+    return multipliers_of(flow.drifts.without(done.monodromy), done.rank_deficient, flow.period is None)
+
+
+def _miss(flow: SwitchingFlow, y: Array, done: Passage) -> Array:
+    """How far a passage ends from its start, but for the drift of cyclic coordinates."""
+    return flow.drifts.difference(done.state, y)
+
+
+def _extent(flow: SwitchingFlow, done: Passage) -> float:
+    """How far the state that moves most moves, of those on which something depends."""
+    return float(np.delete(done.highest - done.lowest, flow.drifts.free).max(initial=0.0))
 
 
 def closed_once(flow: SwitchingFlow, y: Array, mode: Any, T: float) -> FlowOrbit:
     """The cycle of a flow without a period to which Newton's method goes from a state and a duration, traversed once."""
     how: dict[str, Any] = {"rtol": 1e-12, "method": "auto"}
-    return _once(flow, _closed(flow, y, mode, T, _ITERATIONS, how), 1, _ITERATIONS, how)
+    return _once(flow, _closed(flow, flow.drifts.wrapped(y), mode, T, _ITERATIONS, how), 1, _ITERATIONS, how)
 
 
 def _nearer(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passage, how: dict[str, Any]) -> tuple[Array, float, Any, Passage]:
     """The next guess and its passage: Newton's step, or the part of it that first makes the miss smaller."""
     step, longer, after = _newton_step(flow, y, mode, T, done)
-    size = abs(done.state - y).max()
+    size = abs(_miss(flow, y, done)).max()
     for part in _SHARES:
         ahead, then = y + part * step, T + part * longer
         tried = passage(flow, ahead, after, then, **how)
-        if abs(tried.state - ahead).max() < size or part == _SHARES[-1]:
+        if abs(_miss(flow, ahead, tried)).max() < size or part == _SHARES[-1]:
             break
     return ahead, then, after, tried
 
@@ -279,8 +293,8 @@ def _once(flow: SwitchingFlow, orbit: FlowOrbit, periods: int, most: int, how: d
     """The orbit gone around once: the shortest duration of a free flow, an error where forced motions repeat before `periods` are over."""
     for k in _PARTS if flow.period is None else [k for k in range(periods, 1, -1) if periods % k == 0 and not orbit.notes]:
         part = passage(flow, orbit.state, orbit.mode, orbit.duration / k, **how)
-        extent = float((orbit.passage.highest - orbit.passage.lowest).max())
-        if part.mode != orbit.mode or abs(part.state - orbit.state).max() > max(_SAME * extent, 10 * orbit.residual):
+        extent = _extent(flow, orbit.passage)
+        if part.mode != orbit.mode or abs(_miss(flow, orbit.state, part)).max() > max(_SAME * extent, 10 * orbit.residual):
             continue
         if flow.period is not None:
             mistake = f"the motion found repeats after {periods // k} of {periods} periods"
@@ -299,7 +313,7 @@ def _returned(flow: SwitchingFlow, y: Array, mode: Any, duration: float, settle:
         return (done.state, done.mode, duration) if settle else (y, mode, duration)
     after = lambda k: passage(flow, y, mode, whole, **how, switches=k + 1)  # noqa: E731
     done = after(len(events) - 1)
-    misses = [float((abs(after(k).state - done.state) / extent).max()) for k in same]
+    misses = [float((abs(flow.drifts.difference(after(k).state, done.state)) / extent).max()) for k in same]
     before = next(k for k, miss in zip(same, misses, strict=True) if miss <= _ALIKE * min(misses) + _SAME)  # a period may have several
     onward = 0.5 * (events[before + 1][0] - events[before][0])  # not on a switch, but half way to the next
     ended = passage(flow, done.state, done.mode, onward, **how) if onward > 0 else done
@@ -313,13 +327,15 @@ def _newton_step(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passa
     """
     if not np.isfinite(done.monodromy).all():
         raise SolveError(touches(done))
-    n, A, miss, reach = len(y), done.monodromy - np.eye(len(y)), done.state - y, float((done.highest - done.lowest).max())
+    n, A, miss, reach, shifts = len(y), done.monodromy - np.eye(len(y)), _miss(flow, y, done), _extent(flow, done), flow.drifts.free
+    A[shifts] = 0.0
     if flow.period is not None:
         step, reach = np.linalg.lstsq(A, -miss, rcond=1e-12)[0], max(reach, _REACH * float(1 + abs(y).max()))
         return step * min(1.0, reach / max(float(abs(step).max()), 1e-300)), 0.0, done.mode
     plain = composed(flow)
     along = value_and_slopes(plain.fields[mode], 0.0, y)[0]
     ahead = value_and_slopes(plain.fields[done.mode], T, done.state)[0]
+    along[shifts], ahead[shifts] = 0.0, 0.0
     whole = np.block([[A, ahead[:, None]], [along[None, :], np.zeros((1, 1))]])
     step = np.linalg.lstsq(whole, np.append(-miss, 0.0), rcond=1e-12)[0]
     step *= min(1.0, reach / max(float(abs(step[:n]).max()), 1e-300), 0.5 * T / max(abs(float(step[n])), 1e-300))
@@ -331,9 +347,7 @@ def orbit_at(flow: SwitchingFlow, strobe_state: Array, periods: int, residual: f
     y, mode = np.asarray(strobe_state[:-1], float), mode_of_strobe_state(flow, strobe_state)
     done = passage(flow, y, mode, periods * float(flow.period))
     notes = () if np.isfinite(done.monodromy).all() else (touches(done),)
-    return FlowOrbit(
-        y, mode, periods * float(flow.period), multipliers_of(done.monodromy, done.rank_deficient), residual, done, notes, flow
-    )
+    return FlowOrbit(y, mode, periods * float(flow.period), multipliers_of_passage(flow, done), residual, done, notes, flow)
 
 
 @explains_arguments

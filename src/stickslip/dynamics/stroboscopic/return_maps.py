@@ -16,7 +16,7 @@ import numpy as np
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.status import Status
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, Ends, map_method, spread_over
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, Ends, ends_of_flow, map_method, spread_over
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.switching_flow import is_flow
 
@@ -138,7 +138,7 @@ def _returned(model: Model, states: Array, returns: int, rtol: float, at: Coordi
 
 
 def _returned_by_flow(flow: Any, states: Array, returns: int, at: Coordinates) -> Ends:
-    """The same of a flow that switches. It makes no way."""
+    """The same of a flow that switches."""
     from stickslip.solvers.flow_engine import returned
 
     section, n = at.section, len(states)
@@ -147,9 +147,7 @@ def _returned_by_flow(flow: Any, states: Array, returns: int, at: Coordinates) -
     y[near, section.index] = value[near]
     span = returns * np.broadcast_to(np.asarray(section.longest, float), (n,))
     ends = returned(flow, y, np.round(states[:, -1]), (section.index, section.direction, value), returns, span)
-    none = np.full(n, np.nan)
-    modes = np.where(ends.modes < 0, np.nan, ends.modes)
-    return Ends(np.column_stack([ends.states, modes]), np.zeros(n), ends.status, none, none, duration=ends.duration)
+    return ends_of_flow(flow, states, ends.states, ends.modes, ends.status, ends.duration)
 
 
 def _column(at: Coordinates, kernel: Any) -> int:

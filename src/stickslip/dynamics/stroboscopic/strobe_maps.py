@@ -20,6 +20,7 @@ from stickslip.basics.contracts import Array, ArrayLike, Model
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.basics.frozen_arrays import sealed
+from stickslip.models.cyclic_coordinates import CyclicCoordinates
 from stickslip.models.forces import inner_start
 from stickslip.models.machine_adapter import MachineAdapter, machine_of
 from stickslip.models.switching_flow import is_flow
@@ -54,6 +55,7 @@ class Coordinates:
     mechanics: Any = None  # of a machine of several bodies: it knows their names
     wavelength: float | None = None  # of one body: its position counts modulo this, as the track repeats [m]
     section: Any = None  # of a model without a period: where its motions are looked at (see return_maps.py)
+    drifts: CyclicCoordinates = CyclicCoordinates()  # of a flow: what drifts while the motion repeats
 
     @property
     def smooth(self) -> int:
@@ -62,9 +64,9 @@ class Coordinates:
 
     @property
     def free(self) -> Array:
-        """The coordinates that are no memories, and vary on the section if there is one: their places."""
-        places = np.arange(self.smooth)
-        return places if self.section is None else np.delete(places, self.section.index)
+        """The coordinates that are no memories, of which motions depend on their values, and vary on the section if there is one."""
+        places = np.delete(np.arange(self.smooth), self.drifts.free)
+        return places if self.section is None else places[places != self.section.index]
 
     def of(self, cases: Any) -> Coordinates:
         """The same for some cases of a batch, each of which has its own section where there is one."""
@@ -113,11 +115,15 @@ class Coordinates:
         return start
 
     def difference(self, a: Any, b: Any) -> Any:
-        """One state less another; of positions on a track that repeats, modulo its wavelength."""
+        """One state less another; of positions on a track that repeats, and of cyclic coordinates, modulo their length."""
         difference = np.asarray(a, float) - np.asarray(b, float)
         if self.wavelength is not None:
             difference[..., self.order.places] -= self.wavelength * np.round(difference[..., self.order.places] / self.wavelength)
-        return difference
+        return self.drifts.wrapped(difference) if self.drifts else difference
+
+    def embedded(self, points: Array) -> tuple[Array, Array]:
+        """States and their scales, as numbers that are near one another where the states are: angles as points on a circle."""
+        return self.drifts.embedded(points, self.scales) if self.drifts else (points, self.scales)
 
     def distance(self, a: Any, b: Any) -> Any:
         """The largest difference of two states in their scales."""
@@ -406,19 +412,26 @@ def coordinates_of_flow(flow: Any) -> Coordinates:
         )
     names = flow.names(len(flow.states) + len(flow.inner))
     order = Order(names, slice(0, len(names)), slice(len(names), len(names)), slice(0, 0), (), False)
-    return Coordinates((*names, "mode"), np.append(flow.sizes, 1.0), order, 1)
+    return Coordinates((*names, "mode"), np.append(flow.sizes, 1.0), order, 1, drifts=flow.drifts)
 
 
 def _of_flow(flow: Any, states: Array, duration: Any) -> Ends:
-    """The states of a flow that switches after some time. It makes no way."""
+    """The states of a flow that switches after some time, and the way that its first cyclic coordinate makes."""
     from stickslip.solvers.flow_engine import ends, unknown
     from stickslip.solvers.flow_requests import untraced
 
     if why := unknown(flow, states.shape[1] - 1):
         raise InputError("SwitchingFlow", [untraced(why)])
     y, modes, status = ends(flow, states[:, :-1], np.round(states[:, -1]), duration)
-    none = np.full(len(states), np.nan)
-    return Ends(np.column_stack([y, np.where(modes < 0, np.nan, modes)]), np.zeros(len(states)), status, none, none)
+    return ends_of_flow(flow, states, y, modes, status)
+
+
+def ends_of_flow(flow: Any, begun: Array, y: Array, modes: Array, status: Array, duration: Any = None) -> Ends:
+    """The ends of runs of a flow from some starts: cyclic coordinates count as a way, and are brought back."""
+    none, drifts = np.full(len(y), np.nan), flow.drifts
+    way = y[:, drifts.places[0]] - begun[:, drifts.places[0]] if drifts else np.zeros(len(y))
+    states = np.column_stack([drifts.wrapped(y) if drifts else y, np.where(modes < 0, np.nan, modes)])
+    return Ends(states, way, status, none, none, duration=duration)
 
 
 def flow_map(model: Any, states: Array, duration: Any, rtol: float = 1e-12) -> Ends:
