@@ -548,10 +548,21 @@ def test_export_takes_a_run_as_well_as_a_study(files, capsys):
         ss.open_study("run.nc")
 
 
-def test_what_counts_drive_periods_says_so_of_something_that_nothing_drives(files, capsys):
-    for command, words in (("bifurcation", ["speed=0.1..0.2:3"]), ("lyapunov", []), ("basins", ["v=-0.1..0.1:3"])):
-        code, _, err = call(capsys, command, "belt.toml", *words)
-        assert code == 2 and "BlockOnBelt has no period" in err and "ss.periodic_orbit" in err and "duration" not in err
+def test_what_counts_drive_periods_counts_returns_of_something_that_nothing_drives(files, capsys):
+    """T = 2 (F - f) / (k u) + (2 pi - 2 atan((F - f) omega / (k u))) / omega."""
+    code, out, _ = call(capsys, "basins", "belt.toml", "v=-0.1..0.1:3", "settle=30")
+    assert code == 0 and "period 1" in out and "100" not in out.splitlines()[0]
+    code, out, _ = call(capsys, "lyapunov", "belt.toml", "settle=30", "periods=20", "--json")
+    record = json.loads(out)
+    assert code == 0 and record["kind"] == "periodic" and record["unit"] == "second" and abs(record["spectrum"][0]) < 1e-6
+    code, out, _ = call(capsys, "bifurcation", "belt.toml", "speed=0.1..0.2:3", "settle=30", "--follow", "--json")
+    speeds, record = np.array([0.1, 0.15, 0.2]), json.loads(out)
+    times = 0.04 / speeds + (2 * np.pi - 2 * np.arctan(0.2 / speeds)) / 10
+    np.testing.assert_allclose(record["columns"]["duration"][0], times, rtol=1e-9)
+    assert record["branches"][0]["period"] == 1
+    code, out, _ = call(capsys, "atlas", "belt.toml", "speed=0.1,0.2", "damping=0.0,0.1", "settle=30", "--starts", "1", "--branches", "0",
+                        "--out", "plane")  # fmt: skip
+    assert code == 0 and "stick-slip" in out and (files / "plane" / "manifest.json").exists()
     code, out, _ = call(capsys, "sweep", "belt.toml", "speed=0.1,0.2")
     assert code == 0 and "more periods" not in out
 

@@ -91,8 +91,6 @@ def asked(command: str, words: list[str]) -> Any:
     mixed = any(action.nargs == "*" for action in made._actions)  # positional words of two kinds, with options between them
     read = made.parse_intermixed_args if mixed else made.parse_args
     parsed: Any = made.parse_known_args(words)[0] if declared.open_ended else read(words)
-    if declared.driven:
-        check_driven(command, parsed.robot)
     for name, (option, ends) in made.files.items():
         setattr(parsed, name, writable(option, getattr(parsed, name), ends))
     parsed.command, parsed.typed = command, " ".join(["stickslip", command, *words])
@@ -310,16 +308,6 @@ def names_of(make: Any) -> tuple[list[str], list[str]]:
     from stickslip.basics.fields import leaves
 
     return [], [path for path, _ in leaves(make)]
-
-
-def check_driven(command: str, name: str) -> None:
-    """Raise an `InputError` if a study file holds an autonomous system and the command counts drive periods."""
-    model = study_named(name).make
-    if callable(model) or model.period is not None:
-        return
-    kind = type(model).__name__
-    why = f"{kind} has no period, and {command} counts drive periods; give a robot or a mechanism with a drive"
-    raise InputError(command, [f"{why}; in Python ss.periodic_orbit finds the cycles of a {kind} and ss.continuation follows them"])
 
 
 def axes_among(command: str, arguments: dict[str, Any], count: int, example: str) -> tuple[list[str], dict[str, Any]]:

@@ -80,7 +80,6 @@ class Command(NamedTuple):
     arguments: tuple[Argument, ...]
     more: str
     example: str
-    driven: bool
     open_ended: bool
 
 
@@ -88,7 +87,7 @@ _DECLARED: dict[str, Command] = {}
 
 
 def command(
-    about: str, arguments: Sequence[Argument] = (), more: str = "", example: str = "", driven: bool = False, open_ended: bool = False
+    about: str, arguments: Sequence[Argument] = (), more: str = "", example: str = "", open_ended: bool = False
 ) -> Callable[[T], T]:
     """Declare the command of this module; the decorated function takes the parsed arguments and returns an `Outcome` or an exit code.
 
@@ -102,15 +101,13 @@ def command(
         What its help says after the arguments.
     example : str
         Lines that begin with ``$`` are typed, the others are output, where ``…`` stands for anything. The tests run it.
-    driven : bool
-        Whether it counts drive periods, and so refuses a study of an autonomous system.
     open_ended : bool
         Whether it passes words that it does not know to another command.
     """
     given = (*(() if JSON[0] in arguments else JSON), *arguments)
 
     def declared(act: T) -> T:
-        _DECLARED[act.__module__] = Command(act, about, given, more, example, driven, open_ended)  # type: ignore[arg-type]
+        _DECLARED[act.__module__] = Command(act, about, given, more, example, open_ended)  # type: ignore[arg-type]
         return act
 
     return declared

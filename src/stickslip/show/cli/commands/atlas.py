@@ -28,7 +28,6 @@ values
 
 The computing time is estimated first and reported on stderr; --estimate stops there. Ctrl-C prints the results so far.
 With --out FOLDER every result is saved as it is found, and `stickslip resume FOLDER` goes on.""",
-    driven=True,
     arguments=(
         *ROBOT,
         argument("--starts", metavar="N", type=int, default=5, help="starts at each point (default 5)"),

@@ -23,7 +23,6 @@ _START = re.compile(rf"({_NAME.pattern})=(.+)")
 
 @command(
     about="Basins of attraction over a grid of initial states: v=a..b:n [m/s], z=a..b:n [m], phase=0..0.9:10. With a range of one of the robot's numbers: the attractors along it.",
-    driven=True,
     arguments=(
         *ROBOT,
         argument("--figure", metavar="FILE", ends=FIGURES, help="draw the map (.png, .svg or .pdf)"),

@@ -13,13 +13,20 @@ if TYPE_CHECKING:
     from argparse import Namespace
 
 
+_OF_DIAGRAMS = ("settle", "limit", "rtol", "workers", "start")
+
+
 @command(
     about="How a motion changes along one number, given as NAME=a..b:n: strobe points after settling, upwards and downwards.",
-    driven=True,
     arguments=(
         *ROBOT,
         argument("--follow", action="store_true", help="also follow the periodic motions, stable or not, and find folds and flips"),
-        argument("--period", metavar="P", type=int, default=1, help="period of the branch that --follow begins with (default 1)"),
+        argument(
+            "--period",
+            metavar="P",
+            type=int,
+            help="period of the branch that --follow begins with (default 1; without a drive what the run shows)",
+        ),
         argument("--batch", action="store_true", help="every value from the same start, all at once (fast; shows no hysteresis)"),
         argument("--observable", metavar="NAME", help="what to draw: v, z, mean_velocity, ... (default: the first velocity)"),
         argument("--figure", metavar="FILE", ends=FIGURES, help="draw the diagram (.png, .svg or .pdf)"),
@@ -33,7 +40,7 @@ from start: period 2 from 0.0455 to 0.0465; period 1 from 0.047 to 0.048
 )
 def act(asked: Namespace) -> Outcome:
     """Do the command."""
-    known = ("settle", "limit", "rtol", "workers", "start.x", "start.v", "start.z")
+    known = (*(name for name in _OF_DIAGRAMS if name != "start"), "start.x", "start.v", "start.z")
     study = subject(asked.robot, asked.settings, many=True, solver=known, strict=False)
     (parameter,), fixed = axes_among(asked.command, study.arguments, 1, "mu0=0.034..0.05:200")
     values = study.arguments[parameter]
@@ -42,17 +49,33 @@ def act(asked: Namespace) -> Outcome:
 
     options = {**study.options, **fixed}
     diagram = bifurcation(study.make, parameter=parameter, values=values, follow=not asked.batch, progress=True, **options)
-    branches = _followed(study.make, parameter, values, asked.period, fixed) if asked.follow else []
+    branches = _followed(study.make, parameter, values, asked.period, options) if asked.follow else []
     record, text = _record(study, parameter, diagram, branches), _text(study, parameter, diagram, branches)
     return Outcome(record, text, ((asked.figure, lambda: _drawn(diagram, branches, asked.observable)),), asked.out, diagram)
 
 
-def _followed(make: Any, parameter: str, values: list[float], period: int, fixed: dict[str, Any]) -> list[Any]:
-    """The branch from the largest value down to the smallest, and the period-doubled branch from its first flip."""
+def _followed(make: Any, parameter: str, values: list[float], period: int | None, options: dict[str, Any]) -> list[Any]:
+    """The branch from the largest value down to the smallest, and the period-doubled branch from its first flip.
+
+    Without a drive it is that of the cycle to which the start leads, from the largest value at which there is one, and it has no doubled
+    one.
+    """
+    from stickslip.basics.errors import SolveError
     from stickslip.dynamics.continuation.branches import continuation
 
-    branch = continuation(make, parameter=parameter, start=max(values), stop=min(values), period=period, **fixed)
-    return [branch, *([branch.doubled()] if any(s.kind == "flip" for s in branch.special) else [])]
+    fixed = {name: given for name, given in options.items() if name not in _OF_DIAGRAMS}
+    if callable(make) or make.period is not None:
+        branch = continuation(make, parameter=parameter, start=max(values), stop=min(values), period=period, **fixed)
+        return [branch, *([branch.doubled()] if any(s.kind == "flip" for s in branch.special) else [])]
+    first, *others = sorted(values, reverse=True)
+    for start in (first, *others[:-1]):
+        try:
+            return [
+                continuation(make, parameter=parameter, start=start, stop=min(values), period=period, guess=options.get("start"), **fixed)
+            ]
+        except SolveError as error:
+            why = error
+    raise why
 
 
 def _drawn(diagram: Any, branches: list[Any], observable: str | None) -> Any:

@@ -21,7 +21,6 @@ values
   mu0=0.04                one motion: all exponents, and the kind of motion
   mu0=0.03..0.06:100      several: period number and largest exponent for each
   mu0=0.03..0.21:60:log amplitude=2.5e-4..9.5e-4:60 workers=2      a map""",
-    driven=True,
     arguments=(
         *ROBOT,
         argument("--figure", metavar="FILE", ends=FIGURES, help="draw their convergence, or the map (.png, .svg or .pdf)"),
@@ -133,6 +132,7 @@ def _text(name: str, axes: list[str], grid: Any) -> str:
         top = int(np.argmax(np.where(chaotic, grid.exponent.values, -np.inf)))
         index = np.unravel_index(top, period.shape)
         where = ", ".join(f"{axis} = {float(grid[axis][i]):.6g}" for axis, i in zip(axes, index, strict=True))
+        per = grid.exponent.attrs["long_name"].removeprefix("largest Lyapunov exponent ")
         largest, error = (float(grid[n].values[index]) for n in ("exponent", "error"))
-        lines.append(f"largest exponent {largest:.4g} ± {error:.1g} per drive period at {where}")
+        lines.append(f"largest exponent {largest:.4g} ± {error:.1g} {per} at {where}")
     return "\n".join(lines)
