@@ -83,8 +83,8 @@ def clocked(work: str) -> str:
     return f"import time\nbegin = time.process_time()\n{work}\nprint(time.process_time() - begin)"
 
 
-ELASTO_PLASTIC = "ss.ElastoPlastic(**same, **bristle, z_ba=0.7 * friction.mu_plus * 0.7 / friction.sigma0)"
-GMS = "ss.GMS(**same, sigma0=friction.sigma0, v_s=friction.v_s, attraction=100.0, sigma2=friction.sigma2)"
+ELASTO_PLASTIC = "ss.friction.ElastoPlastic(**same, **bristle, z_ba=0.7 * friction.mu_plus * 0.7 / friction.sigma0)"
+GMS = "ss.friction.GMS(**same, sigma0=friction.sigma0, v_s=friction.v_s, attraction=100.0, sigma2=friction.sigma2)"
 FLOW = """ss.SwitchingFlow(
     {0: lambda t, y: (y[1], -9.81)}, {0: (ss.Switch(lambda t, y: y[0], 0, lambda t, y: (0.0, -0.8 * y[1])),)}, states=("height", "v")
 )"""

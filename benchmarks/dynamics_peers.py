@@ -39,7 +39,7 @@ class Peer(NamedTuple):
 def our_lorenz() -> Callable[[], Array]:
     """Steps exact to rounding."""
     flow = ss.SwitchingFlow({0: lambda t, y: (10 * (y[1] - y[0]), y[0] * (28 - y[2]) - y[1], y[0] * y[1] - 8 / 3 * y[2])})
-    return lambda: ss.lyapunov_of_flow(flow, START, duration=TIME, settle=SETTLE).spectrum
+    return lambda: ss.dynamics.lyapunov_of_flow(flow, START, duration=TIME, settle=SETTLE).spectrum
 
 
 def their_lorenz(integrator: str, **settings: float) -> Callable[[], Callable[[], Array]]:
@@ -98,7 +98,7 @@ def quiet() -> Iterator[None]:
 def our_henon() -> Callable[[], Array]:
     """Plain Python, with derivatives by automatic differentiation."""
     henon = lambda x: (1 - 1.4 * x[0] * x[0] + x[1], 0.3 * x[0])  # noqa: E731
-    return lambda: ss.lyapunov_of_map(henon, [0.1, 0.1], iterations=ITERATIONS).spectrum
+    return lambda: ss.dynamics.lyapunov_of_map(henon, [0.1, 0.1], iterations=ITERATIONS).spectrum
 
 
 def their_henon() -> Callable[[], Array]:

@@ -63,7 +63,7 @@ CASES: dict[str, tuple[ss.SwitchingFlow, list[float], int, float]] = {
 
 def period(flow: ss.SwitchingFlow, state: list[float], mode: int, span: float, method: str) -> Any:
     """One of them, with its monodromy matrix."""
-    return ss.passage(flow, state, mode, span, method=method)
+    return ss.dynamics.passage(flow, state, mode, span, method=method)
 
 
 def milliseconds(work: Callable[[], Any], rounds: int, times: int) -> float:

@@ -55,8 +55,8 @@ def laws() -> dict[str, object]:
     return {
         "LuGre": rig,
         "LuGre, a user's own": OwnLuGre(**same, **bristle),
-        "elasto-plastic": ss.ElastoPlastic(**same, **bristle, z_ba=0.7 * rig.mu_plus * 0.7 / rig.sigma0),
-        "GMS, 4 elements": ss.GMS(**same, sigma0=rig.sigma0, v_s=rig.v_s, attraction=100.0, sigma2=rig.sigma2),
+        "elasto-plastic": ss.friction.ElastoPlastic(**same, **bristle, z_ba=0.7 * rig.mu_plus * 0.7 / rig.sigma0),
+        "GMS, 4 elements": ss.friction.GMS(**same, sigma0=rig.sigma0, v_s=rig.v_s, attraction=100.0, sigma2=rig.sigma2),
         "Dahl": ss.Dahl(rig.mu_plus, rig.mu_minus, rig.sigma0),
         "Coulomb, closed arcs": ss.Coulomb(**same),
         "Coulomb + viscous": ss.CoulombViscous(**same, viscous=rig.sigma2),

@@ -53,15 +53,15 @@ def tasks() -> list[Task]:
     U = 0.8
     two = MU * U - UP * (UP + DOWN) * G * L / (4 * DOWN * U)
     three = 0.041032906654407  # w1 on the verge of slipping back, w2 = w3 = 60 m/s^2
-    p, T = DOWN / (UP + DOWN), ss.Pieces.verge(W, L, MU, UP, DOWN).period
+    p, T = DOWN / (UP + DOWN), ss.drives.Pieces.verge(W, L, MU, UP, DOWN).period
     verge = p**2 * T * (MU**2 * W**2 - UP**2 * G**2) / (4 * MU * W)
     speeds = {"drive.u1": (0.0, U), "drive.u2": (0.0, U)}
     phases = {"drive.u1": (0.01, 1.0), **{f"drive.w{k}": (1.0, W) for k in (1, 2, 3)}}
     free = {"stroke": (None, L), "relative_acceleration": (None, W)}
     return [
-        Task("two phases, 2 numbers", robot(ss.TwoPhase(stroke=L, u1=0.1, u2=0.1)), speeds, {}, two),
-        Task("three phases, 4 numbers", robot(ss.ThreePhase.example()), phases, {"stroke": (None, L)}, three),
-        Task("three pieces, 7 numbers", robot(ss.Pieces.example()), {"drive": ss.waveform(pieces=3)}, free, verge),
+        Task("two phases, 2 numbers", robot(ss.drives.TwoPhase(stroke=L, u1=0.1, u2=0.1)), speeds, {}, two),
+        Task("three phases, 4 numbers", robot(ss.drives.ThreePhase.example()), phases, {"stroke": (None, L)}, three),
+        Task("three pieces, 7 numbers", robot(ss.drives.Pieces.example()), {"drive": ss.optimisation.waveform(pieces=3)}, free, verge),
     ]
 
 

@@ -9,10 +9,10 @@ import stickslip as ss
 
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "images" / "laws"
 #: The sum that the page on sums shows.
-LAWS = {**{name: law.example() for name, law in ss.LAWS.items()}, "sum": ss.Sum.example()}
+LAWS = {**{name: law.example() for name, law in ss.friction.LAWS.items()}, "sum": ss.friction.Sum.example()}
 
 
-def draw(found: ss.Bench | ss.Benches, name: str) -> None:
+def draw(found: ss.analysis.Bench | ss.analysis.Benches, name: str) -> None:
     """Write one figure as a PNG of few colours, which is small."""
     path = FOLDER / f"{name}.png"
     figure = ss.plot.bench(found)
@@ -29,7 +29,7 @@ def main(names: list[str]) -> None:
         found[name] = ss.bench(LAWS[name])
         draw(found[name], name)
     if not names:
-        draw(ss.Benches(tuple(bench for name, bench in found.items() if name != "sum")), "all")
+        draw(ss.analysis.Benches(tuple(bench for name, bench in found.items() if name != "sum")), "all")
 
 
 if __name__ == "__main__":

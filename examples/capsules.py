@@ -14,7 +14,7 @@ IMAGE = Path(__file__).parent.parent / "docs" / "images" / "capsule.png"
 def capsule(amplitude: float, omega: float, gap: float) -> ss.Robot:
     """A capsule without dimensions whose stop throws the inner mass back, with the reaction of the force."""
     force = ss.HarmonicForce(amplitude, omega, phase=np.pi / 2)
-    drive = ss.Forced(force, stiffness=1.0, damping=0.1, stops=(ss.Stop(gap=gap, restitution=0.6),))
+    drive = ss.machines.Forced(force, stiffness=1.0, damping=0.1, stops=(ss.Stop(gap=gap, restitution=0.6),))
     return ss.Robot(body_mass=4.0, inner_mass=1.0, drive=drive, friction=ss.Coulomb(0.2, 0.2), gravity=1.0)
 
 

@@ -10,7 +10,7 @@ from stickslip.show.figures.style import COLOURS, INK, publication
 TIME = 16.0
 
 
-def torque(run: ss.Trajectory) -> object:
+def torque(run: ss.results.Trajectory) -> object:
     """What the motor gives, seen at the joint [N m]."""
     pid = run.model.control
     motor = pid.kp * (pid.target - run.x) + run.controllers["control"]["integral"] - pid.kd * run.v

@@ -46,8 +46,8 @@ PRESLIDING = {"sigma0": 1e7, "v_s": 2e-3, "f_plus": None, "f_minus": None}
 LAWS = {
     "Coulomb": ss.Coulomb(0.1, 0.1),
     "LuGre": ss.LuGre(0.1, 0.1, sigma1=100.0, sigma2=0.0, **PRESLIDING),
-    "elasto-plastic": ss.ElastoPlastic(0.1, 0.1, sigma1=100.0, sigma2=0.0, z_ba=1.4e-7, **PRESLIDING),
-    "GMS": ss.GMS(0.1, 0.1, attraction=1e5, **PRESLIDING),
+    "elasto-plastic": ss.friction.ElastoPlastic(0.1, 0.1, sigma1=100.0, sigma2=0.0, z_ba=1.4e-7, **PRESLIDING),
+    "GMS": ss.friction.GMS(0.1, 0.1, attraction=1e5, **PRESLIDING),
 }
 
 
@@ -150,7 +150,7 @@ def by_angle(ax: plt.Axes) -> None:
 
 def presliding(ax: plt.Axes) -> None:
     """Steps of a sawtooth."""
-    steps(ax, lambda stroke: ss.Sawtooth(stroke, rise=0.95e-3, fall=0.05e-3), "sawtooth", 2e-6, 3)
+    steps(ax, lambda stroke: ss.drives.Sawtooth(stroke, rise=0.95e-3, fall=0.05e-3), "sawtooth", 2e-6, 3)
 
 
 def rounded(ax: plt.Axes) -> None:

@@ -21,7 +21,7 @@ def over_a_period(axes: list[plt.Axes]) -> None:
     """Relative acceleration and velocity of the body, for a sine and for three pieces within its stroke and acceleration."""
     rig = ss.presets.piezo_rig(tilt_deg=3.0, amplitude=STROKE / 2, law="coulomb")
     limits = {"stroke": (None, STROKE), "relative_acceleration": (None, rig.drive.amplitude * rig.drive.omega**2)}
-    best = ss.optimise(rig, over={"drive": ss.waveform(pieces=3)}, maximise="mean_velocity", subject_to=limits)
+    best = ss.optimise(rig, over={"drive": ss.optimisation.waveform(pieces=3)}, maximise="mean_velocity", subject_to=limits)
     for robot, name, colour, dashes in zip((rig, best.model), ("sine", "three pieces"), COLOURS, DASHES, strict=False):
         t = np.linspace(0.0, robot.period, 1001)
         run = ss.solve(robot, periods=60, settle=50)
@@ -53,7 +53,7 @@ def along_the_acceleration(ax: plt.Axes) -> None:
     """Mean velocity over the largest relative acceleration: verge gait, three phases, sine."""
     W = np.linspace(40.0, 200.0, 81)
     robot = ss.Robot(1.0 - MU, MU, ss.Harmonic(amplitude=L / 2, omega=100.0), ss.Coulomb(UP, DOWN))
-    verges = [ss.Pieces.verge(w, L, MU, UP, DOWN) for w in W]
+    verges = [ss.drives.Pieces.verge(w, L, MU, UP, DOWN) for w in W]
     p = DOWN / (UP + DOWN)
     verge = [p**2 * d.period * (MU**2 * w**2 - UP**2 * 9.81**2) / (4 * MU * w) for d, w in zip(verges, W, strict=True)]
     sine = ss.sweep(robot, **{"drive.omega": np.sqrt(W / (L / 2))}).mean_velocity
@@ -67,7 +67,7 @@ def along_the_acceleration(ax: plt.Axes) -> None:
 
 def one_period_of_it(ax: plt.Axes) -> None:
     """Velocity of the body and relative velocity over a period."""
-    drive = ss.Pieces.verge(60.0, L, MU, UP, DOWN)
+    drive = ss.drives.Pieces.verge(60.0, L, MU, UP, DOWN)
     robot = ss.Robot(1.0 - MU, MU, drive, ss.Coulomb(UP, DOWN))
     run, t = ss.solve(robot, periods=30, settle=20), np.linspace(0.0, drive.period, 1201)
     ax.plot(MILLI * t, MILLI * run.at(20 * drive.period + t)["v"], color=COLOURS[0], label="body $v$")
@@ -83,21 +83,21 @@ def one_period_of_it(ax: plt.Axes) -> None:
 
 
 # ---- robust drives ----
-def two_optima() -> list[ss.Optimum]:
+def two_optima() -> list[ss.optimisation.Optimum]:
     """The fastest three phases for friction as it is thought, and those whose 5 % quantile is largest."""
-    robot = ss.Robot(1.0 - MU, MU, ss.ThreePhase.example(), ss.Coulomb(UP, DOWN))
+    robot = ss.Robot(1.0 - MU, MU, ss.drives.ThreePhase.example(), ss.Coulomb(UP, DOWN))
     over = {"drive.u1": (0.01, 1.0), "drive.w1": (1.0, 60.0), "drive.w2": (1.0, 60.0), "drive.w3": (1.0, 60.0)}
     asked = dict(over=over, maximise="mean_velocity", subject_to={"stroke": (None, L)})
     return [ss.optimise(robot, **asked), ss.optimise(robot, **asked, robust=UNCERTAIN, quantile=0.05)]
 
 
-def along_friction(ax: plt.Axes, found: list[ss.Optimum]) -> None:
+def along_friction(ax: plt.Axes, found: list[ss.optimisation.Optimum]) -> None:
     """Mean velocity of both over the backward coefficient of friction."""
     mu = np.linspace(0.21, 0.29, 161)
     for best, name, colour, dashes in zip(found, ("nominal optimum", "robust optimum"), COLOURS, DASHES, strict=False):
         V = ss.sweep(best.model, **{"friction.mu_minus": mu}).mean_velocity
         ax.plot(mu, MILLI * V, color=colour, linestyle=dashes, label=name)
-        fresh = ss.propagate(best.model, UNCERTAIN, samples=2048, seed=99).quantile(0.05)
+        fresh = ss.optimisation.propagate(best.model, UNCERTAIN, samples=2048, seed=99).quantile(0.05)
         ax.axhline(MILLI * fresh, color=colour, linewidth=0.6, linestyle=":")
         print(f"{name}: {MILLI * best['mean_velocity']:.3f} mm/s, 5 % quantile {MILLI * fresh:.3f}")
     ax.axvspan(0.22, 0.28, color=INK, alpha=0.08, linewidth=0)
@@ -115,7 +115,7 @@ def fastest(ax: plt.Axes) -> None:
         "drive.amplitude": (8e-4, "1%"),
         "body_mass": (0.06259, "1%"),
     }
-    ss.plot.tornado(ss.propagate(rig, spread, samples=512, indices=True), ax=ax)
+    ss.plot.tornado(ss.optimisation.propagate(rig, spread, samples=512, indices=True), ax=ax)
 
 
 # ---- two modules ----

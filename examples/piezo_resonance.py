@@ -10,7 +10,7 @@ from stickslip.show.figures.style import COLOURS, publication
 
 VOLTAGE, TILT = 60.0, 1.7
 LAWS = (("coulomb", "Coulomb, exact", "-"), ("lugre", "LuGre", "--"))
-BEAM = ss.PiezoBeam()
+BEAM = ss.drives.PiezoBeam()
 
 
 def rig(frequency: np.ndarray, law: str = "coulomb") -> ss.Robot:

@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 import stickslip as ss
+from stickslip.basics.errors import StickslipError
 
 #: Memory [bytes], and seconds of a processor for one file: whole ones take a tenth of one; a loop without end takes for ever.
 MEMORY, PATIENCE = 4 << 30, 60.0
@@ -70,7 +71,7 @@ def _run(path):
 
     robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=1e-4, law="coulomb")
     still = HarmonicArcs(np.array([0.0, robot.period]), np.array([0]), np.zeros(1), np.zeros(1), 0.555, robot.drive.omega, 1.77, 1.77)
-    ss.Trajectory(robot, still, periods=1, settle=0, rtol=1e-6, method="by hand").save(path)
+    ss.results.Trajectory(robot, still, periods=1, settle=0, rtol=1e-6, method="by hand").save(path)
 
 
 def _extras(folder, t, v):
@@ -139,7 +140,7 @@ def main(folder, seed, count):
             rec = (ss.load if name == "own.nc" and rng.random() < 0.5 else ss.read)(place)
             assert rec.model if name == "own.nc" and not isinstance(rec, ss.Record) else number % 20 or str(rec.summary)
             told["read"] += 1
-        except ss.StickslipError as error:
+        except StickslipError as error:
             assert str(error)
             told["refused"] += 1
         slowest = max(slowest, time.process_time() - began)

@@ -12,8 +12,8 @@ from stickslip.basics.fields import leaves
 from stickslip.models.friction.law_adapter import adapted
 
 EXPONENTS = (0.5, 1.0, 1.5, 2.0, 3.0)
-DRIVES = tuple(ss.DRIVES)
-LAWS = (*(name for name, law in examples(ss.LAWS).items() if not adapted(law).dynamic), "sum")
+DRIVES = tuple(ss.drives.DRIVES)
+LAWS = (*(name for name, law in examples(ss.friction.LAWS).items() if not adapted(law).dynamic), "sum")
 
 
 def drive(rng, name):
@@ -29,32 +29,32 @@ def drive(rng, name):
             )
         case "recorded":
             parts = amplitude * rng.uniform(-1, 1, 5) / np.arange(1, 6) ** 2
-            return ss.Recorded(period=period, cosines=(0.0,) * 5, sines=tuple(map(float, parts)))
+            return ss.drives.Recorded(period=period, cosines=(0.0,) * 5, sines=tuple(map(float, parts)))
         case "twophase":
-            return ss.TwoPhase(stroke=amplitude, u1=speed * rng.uniform(0.2, 0.5), u2=speed * rng.uniform(0.5, 2))
+            return ss.drives.TwoPhase(stroke=amplitude, u1=speed * rng.uniform(0.2, 0.5), u2=speed * rng.uniform(0.5, 2))
         case "threephase":
-            return ss.ThreePhase(
+            return ss.drives.ThreePhase(
                 u1=speed, w1=speed * omega * rng.uniform(0.2, 0.5), w2=speed * omega, w3=speed * omega * rng.uniform(0.3, 0.6)
             )
         case "bangbang":
-            return ss.BangBang(a1=speed * omega * rng.uniform(0.2, 0.5), a2=speed * omega, period=period)
+            return ss.drives.BangBang(a1=speed * omega * rng.uniform(0.2, 0.5), a2=speed * omega, period=period)
         case "pieces":
             d, a = period * rng.dirichlet(np.full(4, 3.0)), speed * omega * rng.uniform(-1, 1, 4)
-            return ss.Pieces(durations=tuple(map(float, d)), accelerations=tuple(map(float, a - (a @ d) / period)))
+            return ss.drives.Pieces(durations=tuple(map(float, d)), accelerations=tuple(map(float, a - (a @ d) / period)))
         case "sawtooth":
-            return ss.Sawtooth(stroke=amplitude, rise=period * rng.uniform(0.5, 0.9), fall=period * rng.uniform(0.1, 0.5))
+            return ss.drives.Sawtooth(stroke=amplitude, rise=period * rng.uniform(0.5, 0.9), fall=period * rng.uniform(0.1, 0.5))
         case "trapezoid":
-            return ss.Trapezoid(u1=speed * rng.uniform(0.1, 0.4), u2=speed, ramp=period * rng.uniform(0.02, 0.08), period=period)
+            return ss.drives.Trapezoid(u1=speed * rng.uniform(0.1, 0.4), u2=speed, ramp=period * rng.uniform(0.02, 0.08), period=period)
         case "verticalvibration":
-            return ss.VerticalVibration(
+            return ss.drives.VerticalVibration(
                 drive=ss.Harmonic(amplitude, omega=omega),
                 amplitude=0.3 * 9.81 / omega**2,
                 phase=rng.uniform(0, 3),
                 harmonic=int(rng.integers(1, 3)),
             )
         case "reversed":
-            return ss.Reversed(drive=drive(rng, "trapezoid"))
-    return ss.DRIVES[name].example()  # of a drive that nobody draws numbers for
+            return ss.drives.Reversed(drive=drive(rng, "trapezoid"))
+    return ss.drives.DRIVES[name].example()  # of a drive that nobody draws numbers for
 
 
 def law(rng, name, grip, speed, exponent):
@@ -76,10 +76,10 @@ def law(rng, name, grip, speed, exponent):
         case "tabulated":
             knots = tuple(float(v) for v in v_s * np.array([0.0, 1.0, 3.0, 10.0, 40.0]))
             fade = np.array([1.4, 1.2, 1.05, 1.0, 1.1])
-            return ss.Tabulated(speed=knots, mu_plus=tuple(map(float, mu[0] * fade)), mu_minus=tuple(map(float, mu[1] * fade)))
+            return ss.friction.Tabulated(speed=knots, mu_plus=tuple(map(float, mu[0] * fade)), mu_minus=tuple(map(float, mu[1] * fade)))
         case "sum":
             return law(rng, "stribeck", grip, speed, exponent) + law(rng, "viscous", grip, speed, exponent)
-    made = ss.LAWS[name].example()  # of a law that nobody draws numbers for, but for those that others have too
+    made = ss.friction.LAWS[name].example()  # of a law that nobody draws numbers for, but for those that others have too
     return made.replace(**{n: value for n, value in {**sides, "v_s": v_s, "viscous": oil}.items() if hasattr(made, n)})
 
 

@@ -13,17 +13,18 @@ from stickslip.basics.fields import leaves
 from stickslip.maths import cos, pi, sin
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.switching_flow import is_flow
+from stickslip.solvers.simulation import Simulation
 
 SHAKEN = ss.Robot(
     body_mass=0.06259, inner_mass=0.00948, drive=ss.Harmonic(amplitude=6e-4, omega=65.4 * np.pi), friction=ss.Coulomb(0.15, 0.21)
 )  # fmt: skip
 CAPSUBOT = ss.Robot(
     body_mass=0.193, inner_mass=0.074, friction=ss.Coulomb(0.25, 0.3),
-    drive=ss.Forced(ss.HarmonicForce(1.5, omega=104.7), stiffness=250.0, damping=0.5),
+    drive=ss.machines.Forced(ss.HarmonicForce(1.5, omega=104.7), stiffness=250.0, damping=0.5),
 )  # fmt: skip
 JOINT = ss.Joint(
     inertia=0.01, friction=ss.Coulomb(0.02, 0.02), gravity_torque=0.05,
-    control=ss.PID(kp=2.0, ki=4.0, kd=0.1, target=ss.Harmonic(amplitude=0.3, frequency=0.5), sample=0.05),
+    control=ss.machines.PID(kp=2.0, ki=4.0, kd=0.1, target=ss.Harmonic(amplitude=0.3, frequency=0.5), sample=0.05),
 )  # fmt: skip
 DRY, STICTION = ss.Coulomb(mu_plus=0.2, mu_minus=0.3), ss.Coulomb(mu_plus=0.2, mu_minus=0.2, f_plus=0.3, f_minus=0.3)
 
@@ -247,7 +248,7 @@ def _simulation(c):
     sim, (number, (_, last)) = ss.simulation(c.machine), (c.number, c.values)
     sim.step(0.3)
     sim.step(0.2, inputs={number: last})
-    again = ss.Simulation.load(sim.save(c.folder / "sim.json"), machine=c.machine)
+    again = Simulation.load(sim.save(c.folder / "sim.json"), machine=c.machine)
     assert sim.status == "finished" and sim.inputs[number] == last and str(again.step(0.1)) == str(sim.step(0.1))
 
 
@@ -308,7 +309,7 @@ def _check(c):
 
 
 def _periodic_mean_velocity(c):
-    assert np.isfinite(ss.periodic_mean_velocity(c.machine, periods=400))
+    assert np.isfinite(ss.analysis.periodic_mean_velocity(c.machine, periods=400))
 
 
 def _orbit(c):
@@ -352,7 +353,7 @@ def _attractors(c):
 def _edge_state(c):
     """There is one motion: an edge is refused with its name."""
     try:
-        edge = ss.edge_state(c.machine, None, None, settle=30)
+        edge = ss.dynamics.edge_state(c.machine, None, None, settle=30)
     except ss.InputError as error:
         if "both starts lead to one motion" not in str(error):
             raise
@@ -425,14 +426,14 @@ def _contacts(c):
 
 
 def _strobe(c):
-    assert len(ss.strobe(c.run()).v)
+    assert len(ss.dynamics.strobe(c.run()).v)
 
 
 def _spectrum(c):
     run = c.run()
-    lines = ss.spectrum(run)
+    lines = ss.dynamics.spectrum(run)
     assert lines.amplitude.dims == (("body", "order") if c.axes else ("order",))
-    last = ss.spectrum(run, body=len(run.bodies) - 1 if c.axes else 0)
+    last = ss.dynamics.spectrum(run, body=len(run.bodies) - 1 if c.axes else 0)
     assert np.array_equal(last.amplitude, lines.amplitude.isel(body=-1) if c.axes else lines.amplitude)
     assert ss.plot.spectrum(last).get_xlabel()
 
@@ -442,12 +443,12 @@ def _latex(c):
 
 
 def _mirrored(c):
-    run, image = c.run(), ss.solve(ss.mirrored(c.machine), **c.length)
+    run, image = c.run(), ss.solve(ss.dynamics.mirrored(c.machine), **c.length)
     end = run.pieces.t[-1]
     there = image.at(end)["v"]
     assert np.allclose(there[::-1] if isinstance(c.machine, ss.Chain) else there, -run.at(end)["v"], rtol=1e-6, atol=1e-9)
     assert np.isclose(ss.mean_velocity(image), -ss.mean_velocity(run), rtol=1e-9)
-    assert ss.mirrored(ss.mirrored(c.machine)) == c.machine
+    assert ss.dynamics.mirrored(ss.dynamics.mirrored(c.machine)) == c.machine
 
 
 def _explorer(c):
@@ -480,15 +481,16 @@ def _command(c):
 every_door = {
     "ss.solve": _solve, "ss.simulation": _simulation,
     "a batch": _batch, "ss.sweep": _sweep, "ss.map": _map, "plot.velocity_map": _velocity_map, "a study folder": _study,
-    "ss.motion": _motion, "ss.energy": _energy, "ss.check": _check, "ss.periodic_mean_velocity": _periodic_mean_velocity,
+    "ss.motion": _motion, "ss.energy": _energy, "ss.check": _check, "ss.analysis.periodic_mean_velocity": _periodic_mean_velocity,
     "ss.periodic_orbit": _orbit,
     "ss.continuation": _continuation, "ss.lyapunov": _lyapunov, "ss.basins": _basins, "ss.attractors": _attractors,
-    "ss.edge_state": _edge_state, "ss.bifurcation": _bifurcation, "plot.continuation": _branch_drawn, "plot.bifurcation": _diagram_drawn,
+    "ss.dynamics.edge_state": _edge_state, "ss.bifurcation": _bifurcation, "plot.continuation": _branch_drawn,
+    "plot.bifurcation": _diagram_drawn,
     "to_toml, from_toml": _toml, "run.save, ss.load": _save, "run.to_xarray": _xarray,
     "CSV": _csv, "report": _report, "plot.velocity": _velocity,
-    "plot.forces": _forces, "plot.phase": _phase, "plot.contacts": _contacts, "ss.strobe": _strobe,
-    "ss.spectrum": _spectrum, "ss.latex": _latex,
-    "ss.mirrored": _mirrored, "explorer": _explorer, "stickslip run": _command,
+    "plot.forces": _forces, "plot.phase": _phase, "plot.contacts": _contacts, "ss.dynamics.strobe": _strobe,
+    "ss.dynamics.spectrum": _spectrum, "ss.latex": _latex,
+    "ss.dynamics.mirrored": _mirrored, "explorer": _explorer, "stickslip run": _command,
 }  # fmt: skip
 
 
@@ -551,7 +553,7 @@ without_picture = {
     "Certificate": "a proof about one motion: its periodic orbit draws itself",
     "Hops": "four numbers of a run: ss.plot.contacts draws the run",
     "Passage": "the two ends of a stretch: the run of the flow draws itself",
-    "Gradient": "derivatives in different units; ss.sensitivity(...).plot() draws relative ones",
+    "Gradient": "derivatives in different units; ss.dynamics.sensitivity(...).plot() draws relative ones",
     "ZeroOne": "one number of a series: ss.plot.phase draws the run that it comes from",
     "Rotation": "one number of a motion: ss.plot.phase draws the run that it comes from",
     "AtlasTime": "an estimate in seconds: its atlas draws itself",

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import stickslip as ss
+from stickslip.basics.errors import StickslipError
 
 __all__ = ["Outcome", "damaged", "guarded", "limits", "strange", "warm"]
 
@@ -90,7 +91,7 @@ class Outcome(Counter):
             with guarded(seconds):
                 call()
             self["done"] += 1
-        except ss.StickslipError:
+        except StickslipError:
             self["in words"] += 1
         except TooLong:
             self["too long"] += 1

@@ -189,7 +189,9 @@ def _calls() -> dict[str, Callable[[], Call]]:
             lambda a: [len(a.borders)],
         ),
         "chaos_map": lambda: Call(
-            lambda: ss.chaos_map(RIG, mu0=np.linspace(0.03, 0.2, 24), amplitude=np.linspace(3e-4, 9e-4, 24), tilt_deg=1.7, periods=40),
+            lambda: ss.dynamics.chaos_map(
+                RIG, mu0=np.linspace(0.03, 0.2, 24), amplitude=np.linspace(3e-4, 9e-4, 24), tilt_deg=1.7, periods=40
+            ),
             _of_attrs,
             lambda d: d.period.values,
         ),
@@ -205,7 +207,7 @@ def _calls() -> dict[str, Callable[[], Call]]:
         ),
         "limit_cycle": lambda: Call(lambda: [limit_cycle(_belt()) for _ in range(12)][-1], None, lambda c: [c.duration]),
         "certify": lambda: Call(
-            lambda: [ss.certify(ss.periodic_orbit(RIG(amplitude=6e-4, **COULOMB), 1), digits=400) for _ in range(4)][-1],
+            lambda: [ss.dynamics.certify(ss.periodic_orbit(RIG(amplitude=6e-4, **COULOMB), 1), digits=400) for _ in range(4)][-1],
             None,
             lambda c: [c.multiplier is not None],
         ),
@@ -224,12 +226,14 @@ def _calls() -> dict[str, Callable[[], Call]]:
         "compare": lambda: _compare(),
         "optimise": lambda: Call(lambda: ss.optimise(coulomb, over=over), _of_notes, lambda b: [b[mean]]),
         "pareto": lambda: Call(
-            lambda: ss.pareto(coulomb, over={"drive.amplitude": (3e-4, 8e-4)}, maximise=mean, minimise="drive_power", points=6),
+            lambda: ss.optimisation.pareto(
+                coulomb, over={"drive.amplitude": (3e-4, 8e-4)}, maximise=mean, minimise="drive_power", points=6
+            ),
             _of_attrs,
             lambda f: f.mean_velocity.values,
         ),
         "propagate": lambda: Call(
-            lambda: ss.propagate(
+            lambda: ss.optimisation.propagate(
                 lugre,
                 {"friction.mu_k_plus": ("normal", 0.15, 0.005)}
                 if hasattr(lugre.friction, "mu_k_plus")
@@ -239,7 +243,7 @@ def _calls() -> dict[str, Callable[[], Call]]:
             _of_notes,
             lambda p: p.values,
         ),
-        "gradient": lambda: Call(lambda: [ss.gradient(lugre) for _ in range(40)][-1], None, lambda g: list(dict(g).values())),
+        "gradient": lambda: Call(lambda: [ss.optimisation.gradient(lugre) for _ in range(40)][-1], None, lambda g: list(dict(g).values())),
         "paper": lambda: Call(_in_folder(lambda out: ss.paper.reproduce(out, fast=True)), None, lambda r: [len(r.claims)]),
     }
 
@@ -256,7 +260,7 @@ def _belt() -> Any:
 def _curve() -> Call:
     branch = ss.continuation(RIG, parameter="amplitude", start=5e-4, stop=6e-4, mu0=0.18, **COULOMB)
     return Call(
-        lambda: ss.special_curve(branch, branch.special[0], "mu0", stop=0.2, step=0.001, points=400),
+        lambda: ss.dynamics.special_curve(branch, branch.special[0], "mu0", stop=0.2, step=0.001, points=400),
         lambda c: c.ended if "interrupted" in c.ended else "",
         lambda c: c.values,
     )
@@ -270,7 +274,7 @@ def _edge() -> Call:
         {"d": 0.5, "F": 0.1},
         ("x", "v"),
     )
-    return Call(lambda: ss.edge_state(duffing, {"x": -1.0}, {"x": 1.0}, periods=60), _of_notes, lambda e: e.state)
+    return Call(lambda: ss.dynamics.edge_state(duffing, {"x": -1.0}, {"x": 1.0}, periods=60), _of_notes, lambda e: e.state)
 
 
 def _of_fit(method: str, **options: Any) -> Call:

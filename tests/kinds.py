@@ -8,16 +8,16 @@ from registries import examples
 SOFT = {"sigma0": 2e4, "sigma1": 20.0}  # bristles that are soft enough for plain Python
 
 DRIVES = {
-    **examples(ss.DRIVES),
-    "twophase": ss.TwoPhase(stroke=1e-3, u1=0.05, u2=0.2),
-    "sawtooth": ss.Sawtooth(stroke=1e-3, rise=0.02, fall=0.005),
-    "threephase": ss.ThreePhase(u1=0.1, w1=10.0, w2=60.0, w3=12.0),
+    **examples(ss.drives.DRIVES),
+    "twophase": ss.drives.TwoPhase(stroke=1e-3, u1=0.05, u2=0.2),
+    "sawtooth": ss.drives.Sawtooth(stroke=1e-3, rise=0.02, fall=0.005),
+    "threephase": ss.drives.ThreePhase(u1=0.1, w1=10.0, w2=60.0, w3=12.0),
 }
 TRACKS = {
     "level": ss.Level(),
     "downhill": ss.Incline(tilt=0.03),
     "uphill": ss.Incline(tilt=-0.03),
-    "varying": ss.VaryingFriction(ss.Level(), depth=0.3),
+    "varying": ss.tracks.VaryingFriction(ss.Level(), depth=0.3),
 }
 
 
@@ -25,10 +25,10 @@ def softened(law):
     return law.replace(**{name: value for name, value in SOFT.items() if hasattr(law, name)})
 
 
-LAWS = {name: softened(law) for name, law in examples(ss.LAWS).items()} | {
-    "bristle": ss.LAWS["bristle"].example().replace(sigma0=2e3),
-    "ratestate": ss.RateState.example().replace(a=0.06, b=0.08, Dc=2e-5),  # friction proportional to v up to 0.1 mm/s
-    "sum": ss.Sum.example(),
+LAWS = {name: softened(law) for name, law in examples(ss.friction.LAWS).items()} | {
+    "bristle": ss.friction.LAWS["bristle"].example().replace(sigma0=2e3),
+    "ratestate": ss.friction.RateState.example().replace(a=0.06, b=0.08, Dc=2e-5),  # friction proportional to v up to 0.1 mm/s
+    "sum": ss.friction.Sum.example(),
     "lugre + viscous": softened(ss.LuGre.example()) + ss.Viscous.example(),
 }
 

@@ -42,8 +42,8 @@ class Folder:
 
 _OF_MACHINES = "MECHANISMS in src/stickslip/models/machines/__init__.py"
 FOLDERS = (
-    Folder(friction, Law, ss.LAWS, ("rate", "force", "sliding", "breakaway"), "_ALL in src/stickslip/models/friction/__init__.py"),
-    Folder(drives, Drive, ss.DRIVES, ("position", "velocity", "acceleration"), "_ALL in src/stickslip/models/drives/__init__.py"),
+    Folder(friction, Law, ss.friction.LAWS, ("rate", "force", "sliding", "breakaway"), "_ALL in src/stickslip/models/friction/__init__.py"),
+    Folder(drives, Drive, ss.drives.DRIVES, ("position", "velocity", "acceleration"), "_ALL in src/stickslip/models/drives/__init__.py"),
     Folder(machines, ss.Machine, MECHANISMS, ("bodies",), _OF_MACHINES),
     Folder(machines, Mechanism, MECHANISMS, ("acceleration",), _OF_MACHINES),
 )
@@ -58,8 +58,8 @@ def tell(sentences):
 def all_that_is_forgotten():
     """Every sentence on laws, drives and machines: told below errors at collection, which keep the tests that say it from running."""
     found = [sentence for folder in FOLDERS for sentence in unregistered(folder)]
-    found += [sentence for name in ss.LAWS for sentence in law_lacks(name)]
-    found += [sentence for name in ss.DRIVES for sentence in drive_lacks(name)]
+    found += [sentence for name in ss.friction.LAWS for sentence in law_lacks(name)]
+    found += [sentence for name in ss.drives.DRIVES for sentence in drive_lacks(name)]
     return found + [sentence for name in MECHANISMS for sentence in machine_lacks(name)]
 
 
@@ -68,7 +68,7 @@ _DYNAMIC, _SET_VALUED = ("rate", "force"), ("sliding", "breakaway")
 
 def law_lacks(name):
     """Sentences on what a law lacks."""
-    law = ss.LAWS[name]
+    law = ss.friction.LAWS[name]
     needs = _DYNAMIC if any(hasattr(law, need) for need in _DYNAMIC) else _SET_VALUED  # bristles have break-away coefficients too
     page, picture = text_of("docs/laws/*.md"), f"images/laws/{name}.png"
     drawn = [] if picture in page else [f"{law.__name__}: python examples/bench_laws.py {name} draws docs/{picture}; show it on its page"]
@@ -77,7 +77,7 @@ def law_lacks(name):
 
 def drive_lacks(name):
     """Sentences on what a drive lacks."""
-    drive = ss.DRIVES[name]
+    drive = ss.drives.DRIVES[name]
     needs = ("position", "velocity", "acceleration", "period", "stroke", "velocity_scale")
     return [*lacking(name, drive, needs, "docs/drives/index.md", base=Drive), *wordless(drive, "docs/drives")]
 

@@ -112,7 +112,7 @@ SUMS = {
     "gms+viscous": ("gms", "viscous"),
     "tabulated+coulomb": ("tabulated", "coulomb"),
 }
-LAW_NAMES = (*ss.LAWS, *SUMS)
+LAW_NAMES = (*ss.friction.LAWS, *SUMS)
 
 
 def law_of(name: str, d: Draw) -> Any:
@@ -120,7 +120,7 @@ def law_of(name: str, d: Draw) -> Any:
     if name in SUMS:
         first, second = (law_of(part, d) for part in SUMS[name])
         return first + second
-    kind = ss.LAWS[name]
+    kind = ss.friction.LAWS[name]
     names = [f.name for f in dataclasses.fields(kind)]
     given = _table(d) if "speed" in names else _coefficients(d, names)
     if "weights" in names:
@@ -167,17 +167,17 @@ def _multi(d: Draw) -> Any:
 
 def _two_phase(d: Draw) -> Any:
     u1 = 0.05 * d.wide(0.1, 10)
-    return ss.TwoPhase(stroke=1e-2 * d.wide(0.1, 10), u1=u1, u2=u1 * d.wide(0.3, 10))
+    return ss.drives.TwoPhase(stroke=1e-2 * d.wide(0.1, 10), u1=u1, u2=u1 * d.wide(0.3, 10))
 
 
 def _three_phase(d: Draw) -> Any:
     w1 = 10.0 * d.wide(0.1, 10)
-    return ss.ThreePhase(u1=0.1 * d.wide(0.1, 10), w1=w1, w2=w1 * d.wide(0.5, 10), w3=w1 * d.wide(0.3, 3))
+    return ss.drives.ThreePhase(u1=0.1 * d.wide(0.1, 10), w1=w1, w2=w1 * d.wide(0.5, 10), w3=w1 * d.wide(0.3, 3))
 
 
 def _bang_bang(d: Draw) -> Any:
     a1 = 20.0 * d.wide(0.1, 10)
-    return ss.BangBang(a1=a1, a2=a1 * d.wide(0.3, 5), period=0.03 * d.wide(0.1, 10))
+    return ss.drives.BangBang(a1=a1, a2=a1 * d.wide(0.3, 5), period=0.03 * d.wide(0.1, 10))
 
 
 def _pieces(d: Draw) -> Any:
@@ -185,23 +185,23 @@ def _pieces(d: Draw) -> Any:
     shares = d.choice.dirichlet(np.full(parts, 3.0))
     strengths = [20.0 * d.uniform(-1.0, 1.0) * d.wide(0.3, 3) for _ in range(parts)]
     mean = sum(s * a for s, a in zip(shares, strengths, strict=True))
-    return ss.Pieces(durations=tuple(s * period for s in shares), accelerations=tuple(a - mean for a in strengths))
+    return ss.drives.Pieces(durations=tuple(s * period for s in shares), accelerations=tuple(a - mean for a in strengths))
 
 
 def _sawtooth(d: Draw) -> Any:
     period, part = 0.1 * d.wide(0.1, 10), d.uniform(0.5, 0.95)
-    return ss.Sawtooth(stroke=1e-2 * d.wide(0.1, 10), rise=part * period, fall=(1 - part) * period)
+    return ss.drives.Sawtooth(stroke=1e-2 * d.wide(0.1, 10), rise=part * period, fall=(1 - part) * period)
 
 
 def _trapezoid(d: Draw) -> Any:
     u1, period = 0.05 * d.wide(0.1, 10), 0.1 * d.wide(0.1, 10)
     u2 = u1 * d.wide(0.3, 8)
-    return ss.Trapezoid(u1=u1, u2=u2, ramp=period * np.minimum(u1, u2) / (u1 + u2) * d.uniform(0.1, 0.95), period=period)
+    return ss.drives.Trapezoid(u1=u1, u2=u2, ramp=period * np.minimum(u1, u2) / (u1 + u2) * d.uniform(0.1, 0.95), period=period)
 
 
 def _recorded(d: Draw) -> Any:
     parts = int(d.choice.integers(1, 5))
-    return ss.Recorded(period=0.03 * d.wide(0.1, 10), cosines=_sums_of_harmonics(d, parts), sines=_sums_of_harmonics(d, parts))
+    return ss.drives.Recorded(period=0.03 * d.wide(0.1, 10), cosines=_sums_of_harmonics(d, parts), sines=_sums_of_harmonics(d, parts))
 
 
 def _vertical(d: Draw) -> Any:
@@ -210,12 +210,12 @@ def _vertical(d: Draw) -> Any:
     for _ in range(1 if d.choice.random() < 0.67 else 2):
         depth = d.uniform(0.0, 0.55)  # of the weight of the inner mass; its share is up to one half
         amplitude = depth * 9.81 / (n * 2 * np.pi / drive.period) ** 2
-        drive = ss.VerticalVibration(drive, amplitude=amplitude, phase=d.uniform(0, 6.28), harmonic=n)
+        drive = ss.drives.VerticalVibration(drive, amplitude=amplitude, phase=d.uniform(0, 6.28), harmonic=n)
     return drive
 
 
 def _reversed(d: Draw) -> Any:
-    return ss.Reversed(drive_of(str(d.choice.choice([name for name in DRIVES if name != "reversed"])), d))
+    return ss.drives.Reversed(drive_of(str(d.choice.choice([name for name in DRIVES if name != "reversed"])), d))
 
 
 DRIVES: dict[str, Callable[[Draw], Any]] = {
@@ -236,7 +236,7 @@ def track_of(name: str, d: Draw) -> Any:
     track = ss.Incline(tilt=np.arctan(d.mu * d.uniform(-1.01, 1.01))) if "incline" in name else ss.Level()
     if "varying" not in name:
         return track
-    return ss.VaryingFriction(track, depth=d.uniform(0.0, 0.95), harmonic=int(d.choice.integers(1, 4)), phase=d.uniform(0, 6.28))
+    return ss.tracks.VaryingFriction(track, depth=d.uniform(0.0, 0.95), harmonic=int(d.choice.integers(1, 4)), phase=d.uniform(0, 6.28))
 
 
 # models ------------------------------------------------------------------------------------------------------------

@@ -69,14 +69,14 @@ def motions(folder: Path) -> None:
     kept = folder / "chaos_map.nc"
     if not kept.exists():
         axes = dict(mu0=np.linspace(0.032, 0.08, 60), amplitude=np.linspace(3e-4, 9e-4, 80))
-        found = ss.chaos_map(ss.presets.piezo_rig, **axes, tilt_deg=1.7, settle=300, periods=150, workers=2, progress=True)
+        found = ss.dynamics.chaos_map(ss.presets.piezo_rig, **axes, tilt_deg=1.7, settle=300, periods=150, workers=2, progress=True)
         found.to_netcdf(kept, engine="h5netcdf")
     grid = xr.load_dataset(kept, engine="h5netcdf")
     chaotic = ((grid.period == 0) & (grid.exponent > 3 * grid.error)).mean()
     shares = {p: round(float((grid.period == p).mean()), 3) for p in (1, 2, 4)}
     print(f"shares of period {shares}, chaotic {float(chaotic):.3f}, largest exponent {float(grid.exponent.max()):.3f}")
     branch = ss.continuation(ss.presets.piezo_rig, parameter="mu0", start=0.05, stop=0.0345, step=0.1, rtol=1e-8, **RIG)
-    curves = [ss.special_curve(branch, branch.special[0], "amplitude", stop, step=0.1) for stop in (9.5e-4, 2.5e-4)]
+    curves = [ss.dynamics.special_curve(branch, branch.special[0], "amplitude", stop, step=0.1) for stop in (9.5e-4, 2.5e-4)]
     ss.plot.chaos_map(grid, curves=curves).figure.savefig(folder / "dynamics_map.png", dpi=200)
 
 

@@ -29,14 +29,14 @@ class Row(NamedTuple):
 
 def henon() -> tuple[float, ...]:
     """Largest exponent of a million iterations."""
-    found = ss.lyapunov_of_map(lambda x: (1 - 1.4 * x[0] * x[0] + x[1], 0.3 * x[0]), [0.1, 0.1], iterations=1_000_000)
+    found = ss.dynamics.lyapunov_of_map(lambda x: (1 - 1.4 * x[0] * x[0] + x[1], 0.3 * x[0]), [0.1, 0.1], iterations=1_000_000)
     return (found.largest,)
 
 
 def lorenz() -> tuple[float, ...]:
     """The three exponents over 20 000 units of time."""
     flow = ss.SwitchingFlow({0: lambda t, y: (10 * (y[1] - y[0]), y[0] * (28 - y[2]) - y[1], y[0] * y[1] - 8 / 3 * y[2])})
-    return tuple(ss.lyapunov_of_flow(flow, [1.0, 1.0, 1.0], duration=20_000.0).spectrum.tolist())
+    return tuple(ss.dynamics.lyapunov_of_flow(flow, [1.0, 1.0, 1.0], duration=20_000.0).spectrum.tolist())
 
 
 DELTA, EPSILON, DAMPING = 1.3, 0.8, 0.1
@@ -110,7 +110,7 @@ def henon_resonance() -> tuple[float, ...]:
     """Where both multipliers of Henon's map are -1, on its curve of flips."""
     flow = ss.SwitchingFlow.of_map(lambda y, n: (1 - n.a * y[0] ** 2 + y[1], n.b * y[0]), {"a": 0.1, "b": 0.3}, ("x", "y"))
     branch = ss.continuation(flow, parameter="a", start=0.1, stop=1.0, guess={"x": 0.7, "y": 0.2})
-    curve = ss.special_curve(branch, branch.special[0], "b", stop=-1.2)
+    curve = ss.dynamics.special_curve(branch, branch.special[0], "b", stop=-1.2)
     return next(met.values for met in curve.special if met.kind == "R2")
 
 
@@ -118,7 +118,7 @@ def cusp() -> tuple[float, ...]:
     """Where the two curves of folds of x to p + q x - x^3 end."""
     flow = ss.SwitchingFlow.of_map(lambda y, n: (n.p + n.q * y[0] - y[0] ** 3,), {"p": -0.5, "q": 1.3}, ("x",))
     branch = ss.continuation(flow, parameter="p", start=-0.5, stop=0.3, guess={"x": -0.9})
-    curve = ss.special_curve(branch, next(s for s in branch.special if s.kind == "fold"), "q", stop=0.5)
+    curve = ss.dynamics.special_curve(branch, next(s for s in branch.special if s.kind == "fold"), "q", stop=0.5)
     return next(met.values for met in curve.special if met.kind == "cusp")
 
 
@@ -166,7 +166,7 @@ def set_valued_belt() -> tuple[float, ...]:
     }
     fields = {-1: slide(-1), 1: slide(1), "stick": lambda t, y: (SPEED + 0.0 * y[0], 0.0 * y[0])}
     flow = ss.SwitchingFlow(fields, switches, states=("q", "u"))
-    return (float(ss.flow_orbit(flow, [1.0, SPEED], -1, duration=12.0).passage.highest[0]),)
+    return (float(ss.dynamics.flow_orbit(flow, [1.0, SPEED], -1, duration=12.0).passage.highest[0]),)
 
 
 def rounded_belt() -> tuple[float, ...]:
@@ -178,7 +178,7 @@ def rounded_belt() -> tuple[float, ...]:
 
     turn = {-1: (ss.Switch(lambda t, y: SPEED - y[1], 1),), 1: (ss.Switch(lambda t, y: y[1] - SPEED, -1),)}
     flow = ss.SwitchingFlow({-1: rates(-1), 1: rates(1)}, turn, states=("q", "u"))
-    return (float(ss.flow_orbit(flow, [1.067, 0.0], -1, duration=11.3).passage.highest[0]),)
+    return (float(ss.dynamics.flow_orbit(flow, [1.067, 0.0], -1, duration=11.3).passage.highest[0]),)
 
 
 LUGRE = (1.043656607367126, 0.081148750297240, -0.007831711872955)  # a state of the cycle as it is printed
@@ -197,9 +197,9 @@ def lugre_belt() -> tuple[float, ...]:
         "ahead": (ss.Switch(lambda t, y: y[1] - SPEED, "above"),),
     }
     flow = ss.SwitchingFlow({"above": rates(-1), "below": rates(-1), "ahead": rates(1)}, switches, states=("q", "u", "z"))
-    orbit = ss.flow_orbit(flow, LUGRE, "below", duration=11.0)
+    orbit = ss.dynamics.flow_orbit(flow, LUGRE, "below", duration=11.0)
     fallen = next(c.t for c in orbit.events if c.after == "below")
-    at = ss.passage(flow, orbit.state, orbit.mode, fallen).state
+    at = ss.dynamics.passage(flow, orbit.state, orbit.mode, fallen).state
     return (float(at[0]), float(at[2]))
 
 
@@ -217,11 +217,11 @@ def impacting(mu: float) -> ss.SwitchingFlow:
     return ss.SwitchingFlow({0: rates}, {0: (ss.Switch(lambda t, y, n: y[0] - 1.0, 0, hit),)}, None, {"mu": mu}, ("x", "y", "z"))
 
 
-def cycles(values: tuple[float, ...], state: object, duration: float) -> list[ss.FlowOrbit]:
+def cycles(values: tuple[float, ...], state: object, duration: float) -> list[ss.dynamics.FlowOrbit]:
     """Limit cycles for rising or falling mu, each looked for from the one before."""
     found = []
     for mu in values:
-        orbit = ss.flow_orbit(impacting(mu), state, 0, duration=duration)
+        orbit = ss.dynamics.flow_orbit(impacting(mu), state, 0, duration=duration)
         state, duration = orbit.state, orbit.duration
         found.append(orbit)
     return found
@@ -239,9 +239,9 @@ def impact_fold() -> tuple[float, ...]:
     return tuple(float(np.polyfit(beyond, y, 5)[-1]) for y in (values[-6:], [orbit.duration for orbit in near]))
 
 
-def across(orbit: ss.FlowOrbit) -> tuple[object, float]:
+def across(orbit: ss.dynamics.FlowOrbit) -> tuple[object, float]:
     """A guess of the cycle of the same mu on the other side of the fold, where the duration is as far above."""
-    ahead = ss.flow_orbit(impacting(0.02499), orbit.state, 0, duration=orbit.duration)
+    ahead = ss.dynamics.flow_orbit(impacting(0.02499), orbit.state, 0, duration=orbit.duration)
     share = (TANG[1] - orbit.duration) / (orbit.duration - ahead.duration)
     return orbit.state + 2 * share * (orbit.state - ahead.state), 2 * TANG[1] - orbit.duration
 
@@ -274,7 +274,7 @@ TIMES = (4.620, 2.100, 3.451 - 2.100, 4.620 - 3.451)  # printed: 0, 2.100, 3.451
 def grazed(start: float, stop: float) -> ss.Special:
     """Where the motion that is left of a broken symmetry grazes one of the walls."""
     flow = two_masses()
-    guess = ss.flow_orbit(flow.replace(w=start), [0.1, 0.0, 0.0, 0.0], 0, settle=60)
+    guess = ss.dynamics.flow_orbit(flow.replace(w=start), [0.1, 0.0, 0.0, 0.0], 0, settle=60)
     found = ss.continuation(flow, parameter="w", start=start, stop=stop, guess=guess).switched(stop=stop)
     return min((s for s in found.special if s.kind == "grazing"), key=lambda s: s.accuracy)
 
@@ -338,9 +338,9 @@ def thirds() -> tuple[float, ...]:
     return (*shares, float((inside < 0).mean()))
 
 
-def pecking() -> ss.FlowOrbit:
+def pecking() -> ss.dynamics.FlowOrbit:
     """The motion of the woodpecker toy, from the printed state and duration as a guess."""
-    return ss.flow_orbit(woodpecker(), LEINE, "free", duration=PECK)
+    return ss.dynamics.flow_orbit(woodpecker(), LEINE, "free", duration=PECK)
 
 
 def pecks() -> tuple[float, ...]:
@@ -360,7 +360,7 @@ SICONOS = (0.145981186, 0.019445404)  # its first passages of the bird through -
 
 def pecks_down() -> tuple[float, ...]:
     """Period, and height lost in it, of the motion from the state that Siconos begins with."""
-    orbit = ss.flow_orbit(woodpecker(), [-EDGE, -0.2788, -0.3411, 0.0, -7.4583], "2 down", duration=PECK)
+    orbit = ss.dynamics.flow_orbit(woodpecker(), [-EDGE, -0.2788, -0.3411, 0.0, -7.4583], "2 down", duration=PECK)
     return (orbit.duration, fallen(orbit))
 
 
@@ -377,7 +377,7 @@ def bends() -> tuple[float, ...]:
 def bends_at() -> tuple[float, ...]:
     """There: speed before the hit, and the other multiplier."""
     orbits = [bent(kind, w)[1].orbit for kind, (w, _) in GHOSH.items()]
-    after = [ss.passage(o.model, o.state, o.mode, o.duration, switches=1).state[1] for o in orbits]
+    after = [ss.dynamics.passage(o.model, o.state, o.mode, o.duration, switches=1).state[1] for o in orbits]
     others = [min(o.multipliers.real, key=abs) for o in orbits]
     return (*(float(-v / 0.9) for v in after), *map(float, others))
 

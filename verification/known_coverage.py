@@ -17,7 +17,7 @@ from stickslip.inverse.identification.uncertainty import faults
 __all__ = ["run", "truth_and_intervals"]
 
 
-def truth_and_intervals(fit: ss.Fit, truth: dict[str, float]) -> dict[str, Any]:
+def truth_and_intervals(fit: ss.identification.Fit, truth: dict[str, float]) -> dict[str, Any]:
     """For each number: whether its interval holds the truth, and its error in standard errors; error and standard error over it."""
     found = {}
     for name, value in truth.items():

@@ -58,16 +58,16 @@ def fold_of_cycles() -> plt.Figure:
     return figure
 
 
-def settled(mu: float, orbit: ss.FlowOrbit) -> float:
+def settled(mu: float, orbit: ss.dynamics.FlowOrbit) -> float:
     """Time between the last two hits of a long run that begins a little beside the cycle."""
-    run = ss.passage(impacting(mu), orbit.state * (1 + 1e-3), 0, 600.0)
+    run = ss.dynamics.passage(impacting(mu), orbit.state * (1 + 1e-3), 0, 600.0)
     return run.events[-1].t - run.events[-2].t
 
 
 def impact_duffing() -> plt.Figure:
     """Strobe points of the two masses against the frequency: branches over brute force."""
     flow = two_masses()
-    guess = ss.flow_orbit(flow.replace(w=1.47), [0.1, 0.0, 0.0, 0.0], 0, settle=60)
+    guess = ss.dynamics.flow_orbit(flow.replace(w=1.47), [0.1, 0.0, 0.0, 0.0], 0, settle=60)
     branch = ss.continuation(flow, parameter="w", start=1.47, stop=1.355, guess=guess)
     diagram = ss.bifurcation(
         flow,
@@ -87,10 +87,10 @@ def curves_of_hits() -> plt.Figure:
     drawn = {"flip": ((0.36, 0.345), [-1.7325, 0.1989], (0.8549, 0.8004)), "fold": ((0.37, 0.36), [-1.8115, 0.1224], (0.7998, 0.7917))}
     for (kind, ((begin, stop), guess, ends)), colour in zip(drawn.items(), ("tab:blue", "tab:green"), strict=True):
         flow = every_other(GHOSH[kind][0])
-        start = ss.flow_orbit(flow.replace(F=begin), guess, 0, periods=2, settle=100)
+        start = ss.dynamics.flow_orbit(flow.replace(F=begin), guess, 0, periods=2, settle=100)
         branch = ss.continuation(flow, parameter="F", start=begin, stop=stop, guess=start, period=2)
         special = next(s for s in branch.special if s.kind == kind)
-        parts = [ss.special_curve(branch, special, "w", stop=end, step=0.005).values for end in ends]
+        parts = [ss.dynamics.special_curve(branch, special, "w", stop=end, step=0.005).values for end in ends]
         ax.plot(*np.concatenate([parts[0][::-1], parts[1]]).T, color=colour, label=f"{kind}s")
     for k, points in enumerate((FLIPS, FOLDS)):
         ax.plot(*np.array(points).T, "o", mfc="none", mec="tab:red", ms=7, label="_" if k else "computed by VIVID")
@@ -104,7 +104,7 @@ def curves_of_hits() -> plt.Figure:
 def phases_of_pecking() -> plt.Figure:
     """Rates against angles of the woodpecker toy, sleeve and bird."""
     orbit = pecking()
-    states = np.array([ss.passage(orbit.model, orbit.state, orbit.mode, t).state for t in np.linspace(1e-9, orbit.duration, 1500)])
+    states = np.array([ss.dynamics.passage(orbit.model, orbit.state, orbit.mode, t).state for t in np.linspace(1e-9, orbit.duration, 1500)])
     figure, axes = plt.subplots(1, 2, figsize=(8.0, 3.6), layout="constrained")
     for k, (ax, name) in enumerate(zip(axes, ("sleeve", "bird"), strict=True)):
         ax.plot(states[:, k], states[:, 3 + k], color="tab:blue", lw=1)

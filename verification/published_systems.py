@@ -145,11 +145,11 @@ LEINE = (-0.000107, 0.00312, -0.3505, 31.81, 14.44)  # a state of the motion as 
 PECK = 0.146  # s; the script runs so long
 
 
-def crossing(orbit: ss.FlowOrbit, state: int, value: float, mode: str, falls: bool = False) -> tuple[float, Array]:
+def crossing(orbit: ss.dynamics.FlowOrbit, state: int, value: float, mode: str, falls: bool = False) -> tuple[float, Array]:
     """Time and state where one coordinate of an orbit rises, or falls, through a value within a mode."""
     from scipy.optimize import brentq
 
-    at = lambda t: ss.passage(orbit.model, orbit.state, orbit.mode, t)  # noqa: E731
+    at = lambda t: ss.dynamics.passage(orbit.model, orbit.state, orbit.mode, t)  # noqa: E731
     times = np.linspace(1e-9, orbit.duration, 200)
     seen = [at(t) for t in times]
     past = np.array([(p.state[state] - value) * (-1 if falls else 1) for p in seen])
@@ -158,7 +158,7 @@ def crossing(orbit: ss.FlowOrbit, state: int, value: float, mode: str, falls: bo
     return when, at(when).state
 
 
-def fallen(orbit: ss.FlowOrbit) -> float:
+def fallen(orbit: ss.dynamics.FlowOrbit) -> float:
     """Height lost in a period: the integral of the velocity, which is a sixth state here."""
     height = lambda f: lambda t, y: (*f(t, y[:5]), y[2])  # noqa: E731
     kept = lambda f: lambda t, y: (*f(t, y[:5]), y[5])  # noqa: E731
@@ -168,7 +168,7 @@ def fallen(orbit: ss.FlowOrbit) -> float:
         name: tuple(ss.Switch(without(s.guard), without(s.to), s.reset and kept(s.reset)) for s in ends)
         for name, ends in orbit.model.switches.items()
     }
-    return float(-ss.passage(ss.SwitchingFlow(fields, switches), [*orbit.state, 0.0], orbit.mode, orbit.duration).state[5])
+    return float(-ss.dynamics.passage(ss.SwitchingFlow(fields, switches), [*orbit.state, 0.0], orbit.mode, orbit.duration).state[5])
 
 
 # An oscillator that hits a wall at x = 0 once in two periods of its forcing, of Ghosh and Simpson.
@@ -183,10 +183,10 @@ def every_other(w: float) -> ss.SwitchingFlow:
     return ss.SwitchingFlow({0: swing}, {0: (wall,)}, lambda n: 2 * math.pi / n.w, {"F": 0.36, "w": w}, ("x", "v"))
 
 
-def bent(kind: str, w: float) -> tuple[ss.Branch, ss.Special]:
+def bent(kind: str, w: float) -> tuple[ss.dynamics.Branch, ss.Special]:
     """The branch of stable motions with one hit in two periods towards smaller forcing, and its flip or fold."""
     begin, stop = (0.36, 0.346) if kind == "flip" else (0.36306, 0.3626)
     guess = [-1.7325, 0.1989] if kind == "flip" else [-1.8115, 0.1224]
-    start = ss.flow_orbit(every_other(w).replace(F=begin), guess, 0, periods=2, settle=60)
+    start = ss.dynamics.flow_orbit(every_other(w).replace(F=begin), guess, 0, periods=2, settle=60)
     branch = ss.continuation(every_other(w), parameter="F", start=begin, stop=stop, guess=start, period=2)
     return branch, next(s for s in branch.special if s.kind == kind)

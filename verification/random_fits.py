@@ -21,6 +21,7 @@ os.environ["OPENBLAS_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = "1"
 import numpy as np
 
 import stickslip as ss
+from stickslip.basics.errors import StickslipError
 from stickslip.inverse.identification.law_forces import driven_force
 from stickslip.inverse.identification.motions import PrescribedMotion
 
@@ -86,7 +87,7 @@ def force_record(random: Random, law: Any, gain: float, rho: float | None = None
 # classes ----------------------------------------------------------------------------------------------------------
 
 
-def covered(fit: ss.Fit, truth: dict[str, float]) -> dict[str, Any]:
+def covered(fit: ss.identification.Fit, truth: dict[str, float]) -> dict[str, Any]:
     """Which 95 % intervals hold the truth, and by how many standard errors the values are off."""
     found = {}
     for name, value in truth.items():
@@ -186,8 +187,8 @@ def outside(random: Random) -> dict[str, Any]:
     }
     itself = ss.identify(record, type(law), free=free, starts=STARTS, load=10.0, **known)
     above = min(fit.quality[0].rms for fit in fits.values()) / itself.quality[0].rms
-    right = ss.rank({**fits, "itself": itself}).supported == ("itself",)
-    return {"above": float(above), "none": not ss.rank(fits).supported, "white": rho == 0.0, "right": right}
+    right = ss.identification.rank({**fits, "itself": itself}).supported == ("itself",)
+    return {"above": float(above), "none": not ss.identification.rank(fits).supported, "white": rho == 0.0, "right": right}
 
 
 CLASSES: dict[str, Callable[[Random], dict[str, Any]]] = {
@@ -212,7 +213,7 @@ def one(seed: int) -> dict[str, Any]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             found = CLASSES[name](np.random.default_rng(seed))
-    except ss.StickslipError as error:
+    except StickslipError as error:
         found = {"error": f"{type(error).__name__}: {str(error)[:200]}"}
     return {"seed": seed, "class": name, **found}
 

@@ -30,6 +30,7 @@ from machine_draws.kinds import SORTS, kinds as machine_kinds
 
 import stickslip as ss
 from stickslip.basics.batch import some_of
+from stickslip.basics.errors import StickslipError
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.dynamics.derivatives.sensitivity import directions_of
 from stickslip.dynamics.periodic.steady_motions import Closing
@@ -90,8 +91,8 @@ def examined(machine: Any) -> tuple[list[tuple[str, float]], dict[str, int]]:
     try:
         moved = directions_of("gradient", machine, None)
         moved = {name: of for name, of in moved.items() if dict(leaves(machine))[name] != 0.0}
-        slopes = ss.gradient(machine, wrt=list(moved))
-    except ss.StickslipError as error:
+        slopes = ss.optimisation.gradient(machine, wrt=list(moved))
+    except StickslipError as error:
         return [], {str(error).partition("; ")[0].partition(" (residual")[0][:60]: 1}
     sided = {note.partition(":")[0] for note in slopes.notes if "one-sided" in note}
     found, tolerance = [], LANES if machine_of(machine).has_inner_states else EXACT
@@ -145,7 +146,7 @@ def line(name: str, draws: int, seed: int, most: int = 100) -> dict[str, Any]:
                 counts[what] = counts.get(what, 0) + count
             if points >= most:
                 break
-    except ss.StickslipError as error:
+    except StickslipError as error:
         counts[str(error)[:60]] = 1
     except Exception as error:  # told, or the other kinds would not be run
         counts[f"{FOREIGN}{type(error).__name__}: {error}"[:100]] = 1

@@ -29,6 +29,7 @@ from typing import Any
 import numpy as np
 
 import stickslip as ss
+from stickslip.basics.errors import StickslipError
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from judging import judged, span, unit_of_way
@@ -100,7 +101,7 @@ def _beside(machine: Any, many: Any, i: int, how: dict[str, Any]) -> str:
     end = Status(int(many.status[i])).sentence
     try:
         run = ss.solve(machine, **how, keep="summary")
-    except ss.StickslipError as error:  # a load that is lost from the start is refused where one machine is given
+    except StickslipError as error:  # a load that is lost from the start is refused where one machine is given
         lost = end == Status.LOST.sentence and "at the start" in str(error)
         return "" if lost or end in str(error) else f"alone: {error}"
     apart = abs(float(run.displacement) - float(np.asarray(many.displacement).reshape(-1)[i]))

@@ -2,7 +2,7 @@
 
 ``api.md`` has blocks of ``auto…`` directives with their options; a public name that it does not list comes at the end of the section of
 its package. Before the build each directive moves to a page of its own in ``docs/api/`` (never committed). Files are in
-folders by kind, as `ss.Motion` and `ss.motion` would be one file on some systems.
+folders by kind, as `ss.analysis.Motion` and `ss.motion` would be one file on some systems.
 Classes show the signature of ``__init__``: ``__new__``, which checks arguments, takes anything.
 """
 
@@ -26,6 +26,8 @@ _SECTIONS = {
     "solvers": "Solve", "analysis": "Analyse", "studies": "Solve many", "dynamics": "Dynamics", "inverse": "Records and identification",
     "show": "Show",
 }  # fmt: skip
+#: Modules with a page for each of their names; the others have one page.
+_OF_OBJECTS = ("friction", "drives", "tracks", "machines", "dynamics", "analysis", "identification", "optimisation", "studies")
 _BLOCK = re.compile(r"^```\{eval-rst\}\n(.*?)^```$", re.M | re.S)
 _FOLDERS = {"autoclass": "classes", "autoexception": "classes", "autofunction": "functions", "automodule": "modules", "py:data": "data"}
 _ROLES = {"autoclass": "class", "autoexception": "exc", "autofunction": "func", "automodule": "mod", "py:data": "data"}
@@ -97,13 +99,26 @@ def completed(text: str) -> str:
     import stickslip
 
     listed = {e.name for block in _BLOCK.findall(text) for e in entries(block)}
-    for name in stickslip.__all__:
-        value = getattr(stickslip, name)
-        if name.startswith("__") or inspect.ismodule(value) or {name, f"stickslip.{name}"} & listed:
+    known = {found(name) for name in listed if not isinstance(found(name), dict)}
+    for name, value in public_objects(stickslip).items():
+        if not callable(value) or value in known or name in listed:
             continue
-        directive = f".. autoclass:: stickslip.{name}\n   :members:" if inspect.isclass(value) else f".. autofunction:: stickslip.{name}"
+        known.add(value)
+        directive = f".. autoclass:: {name}\n   :members:" if inspect.isclass(value) else f".. autofunction:: {name}"
         text = _added(text, _SECTIONS[value.__module__.split(".")[1]], directive)
     return text
+
+
+def public_objects(package: Any) -> dict[str, Any]:
+    """Every name of the package and of the modules that it shows, but for those of modules that draw."""
+    objects = {}
+    for name in package.__all__:
+        value = getattr(package, name)
+        if not inspect.ismodule(value):
+            objects[f"stickslip.{name}"] = value
+        elif name in _OF_OBJECTS:
+            objects |= {f"stickslip.{name}.{each}": getattr(value, each) for each in value.__all__}
+    return objects
 
 
 def _added(text: str, section: str, directive: str) -> str:

@@ -4,13 +4,12 @@ import importlib
 import importlib.machinery
 import sys
 
-import lazy_loader
-
+from stickslip.basics.lazy_names import lazy_names, typed_name
 from stickslip.basics.presenting import on_demand
 
 __version__ = "0.1.0.dev0"
 
-_load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_load, __dir__, __all__ = lazy_names(__name__, __file__)
 
 
 def __getattr__(name: str) -> object:
@@ -20,10 +19,9 @@ def __getattr__(name: str) -> object:
         with held_together():  # an import that Ctrl-C leaves half done poisons the process
             return importlib.import_module(f"{__name__}.{PUBLIC_MODULES[name]}")
     if name not in __all__:
-        from stickslip.basics.errors import did_you_mean
-
-        hint = f"did you mean {_ELSEWHERE[name]!r}?" if name in _ELSEWHERE else did_you_mean(name, __all__)
-        raise AttributeError(f"stickslip has no {name!r}; {hint}")
+        if name.startswith("__"):
+            raise AttributeError(f"stickslip has no {name!r}")
+        raise AttributeError(f"stickslip has no {name!r}; {_instead(name)}")
     with held_together():
         try:
             return _load(name)
@@ -33,13 +31,34 @@ def __getattr__(name: str) -> object:
             raise
 
 
+def _instead(name: str) -> str:
+    """What to type instead of a name that is not here: where it is, what it is called, or what is written like it."""
+    if name in _CALLED:
+        return f"type ss.{_CALLED[name]}"
+    if typed := typed_name(name):
+        return f"type {typed}"
+    if name in _IN_MODULES:
+        return f"type from stickslip.{_IN_MODULES[name]} import {name}"
+    from stickslip.basics.errors import did_you_mean
+
+    return did_you_mean(name, __all__)
+
+
+#: Classes that functions return and nobody makes, and where they are.
+_IN_MODULES = {
+    "ExportedLaw": "show.export",
+    "Simulation": "solvers.simulation",
+    "StickslipError": "basics.errors",
+}
+
 #: Names that other packages use for some of our functions.
-_ELSEWHERE = {
+_CALLED = {
     **dict.fromkeys(("simulate", "integrate", "run", "odeint", "solve_ivp"), "solve"),
     **dict.fromkeys(("stepper", "step", "Simulator"), "simulation"),
     **dict.fromkeys(("fit", "curve_fit", "estimate"), "identify"),
     **dict.fromkeys(("read_csv", "open", "import_record"), "read"),
     **dict.fromkeys(("minimize", "minimise", "maximize", "maximise"), "optimise"),
+    **dict.fromkeys(("plt", "figure", "show"), "plot"),
 }
 
 #: Modules that users import by a short name, such as ``stickslip.maths``, and where they are.
@@ -47,9 +66,11 @@ PUBLIC_MODULES = {
     "designs": "studies.designs",
     "drives": "models.drives",
     "friction": "models.friction",
+    "identification": "inverse.identification",
     "machines": "models.machines",
     "maths": "basics.maths",
     "mechanisms": "models.machines",
+    "optimisation": "inverse.optimisation",
     "paper": "show.paper",
     "plot": "show.figures",
     "presets": "models.presets",

@@ -126,11 +126,11 @@ def test_fractions_add_up_also_with_static_friction(plus, minus, up, down):
 def test_next_to_frictionless_the_mean_is_the_formulas_or_none(alphas):
     """Such a body takes more periods to settle than anybody runs: the formula needs none, and without one there is no mean."""
     robot, higher = coulomb_robot(*alphas), tuple(1.5 * a for a in alphas)
-    assert ss.periodic_mean_velocity(robot) == pytest.approx(float(mean_without_rest(*alphas)), rel=1e-15)
+    assert ss.analysis.periodic_mean_velocity(robot) == pytest.approx(float(mean_without_rest(*alphas)), rel=1e-15)
     p = periodic(*alphas, static=higher)
     assert np.isnan([p.mean, p.forward, p.stick, p.backward]).all() and str(p.type) == "other"
     static = robot.replace(friction=ss.Coulomb(*alphas, f_plus=higher[0], f_minus=higher[1]))
-    assert np.isnan(ss.periodic_mean_velocity(static))
+    assert np.isnan(ss.analysis.periodic_mean_velocity(static))
 
 
 def test_break_away_at_the_sliding_friction_is_no_static_friction():

@@ -316,13 +316,13 @@ def test_a_batch_and_single_runs_say_the_same(law):
 def test_the_closed_periodic_velocity_is_that_of_long_runs(law, incline):
     robots = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=np.array([0.0, 2e-4, 4e-4, 5e-4, 8e-4]), law=law, incline=incline)
     many = ss.solve(robots, periods=600, settle=400, keep="summary")
-    assert ss.periodic_mean_velocity(robots) == pytest.approx(many.mean_velocity, rel=1e-12, abs=1e-17)
+    assert ss.analysis.periodic_mean_velocity(robots) == pytest.approx(many.mean_velocity, rel=1e-12, abs=1e-17)
 
 
 def test_the_periodic_velocity_of_a_dynamic_law_is_the_converged_one():
     """P1 and P2 of TRUTH 3, to the digits printed there and 5e-8 A mu omega."""
     robots = ss.presets.piezo_rig(tilt_deg=np.array([1.7, 2.7]), amplitude=np.array([5.525e-4, 6.032e-4]))
-    assert ss.periodic_mean_velocity(robots) == pytest.approx([0.001741322, 0.003681683], abs=1e-9)
+    assert ss.analysis.periodic_mean_velocity(robots) == pytest.approx([0.001741322, 0.003681683], abs=1e-9)
 
 
 def test_the_twin_is_solved_when_asked_for():

@@ -27,11 +27,13 @@ def results():
     spread = {"friction.mu_plus": (0.15, "3%")}
     return {
         "run": run, "chain": chain, "motion": ss.motion(run), "motions": ss.motion(chain), "energy": ss.energy(run), "fit": fit,
-        "orbit": told.orbit, "verdict": told, "exponents": told.exponents, "branch": branch, "sensitivity": ss.sensitivity(told.orbit),
+        "orbit": told.orbit, "verdict": told, "exponents": told.exponents, "branch": branch,
+        "sensitivity": ss.dynamics.sensitivity(told.orbit),
         "bench": ss.bench(ss.Coulomb, experiments=["steady"]), "benches": ss.bench([ss.Coulomb, ss.Viscous], experiments=["steady"]),
-        "comparison": ss.compare(record, ROBOT, laws=["coulomb"]), "propagated": ss.propagate(ROBOT, uncertain=spread, samples=16),
+        "comparison": ss.compare(record, ROBOT, laws=["coulomb"]), "propagated": ss.optimisation.propagate(ROBOT, uncertain=spread,
+        samples=16),
         "optimum": ss.optimise(ROBOT, over={"drive.amplitude": (5e-4, 6e-4)}, maximise="mean_velocity"),
-        "ranking": ss.rank([fit, fit]),
+        "ranking": ss.identification.rank([fit, fit]),
     }  # fmt: skip
 
 
@@ -84,7 +86,7 @@ def test_numbers_of_optima_and_designs_have_units(results):
     page = optimum_page(results["optimum"], "A faster rig")
     assert "0.0005 to 0.0006 m<" in page and "m/s per rad/s" in page and "m/s per m<" in page
     asked = dict(experiments={"amplitude": [4e-4, 8e-4], "law": ["lugre"]}, noise=1e-3, samples=200, tilt_deg=1.7)
-    plan = ss.design(ss.presets.piezo_rig, free={"mu0": 0.18, "sigma0": 4e5}, **asked)
+    plan = ss.identification.design(ss.presets.piezo_rig, free={"mu0": 0.18, "sigma0": 4e5}, **asked)
     assert {e.words for e in plan.experiments} == {f"amplitude = {A} m, law = lugre" for A in (4e-4, 8e-4)}
     assert "error of sigma0 = 4e+05 N/m" in plan._repr_html_()
     spread = results["propagated"]
@@ -129,7 +131,7 @@ def test_motions_print_as_sentences():
 def test_a_curve_in_two_parameters_draws_itself():
     rig = dict(tilt_deg=1.7, mu0=0.18, law="coulomb")
     branch = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=3.6e-4, stop=3.8e-4, step=0.2, **rig)
-    curve = ss.special_curve(branch, branch.special[0], "mu0", stop=0.19, step=0.2)
+    curve = ss.dynamics.special_curve(branch, branch.special[0], "mu0", stop=0.19, step=0.2)
     axes = curve.plot()
     x, y = axes.lines[0].get_data()
     assert np.allclose(x, 1e6 * curve.values[:, 0]) and np.allclose(y, curve.values[:, 1])  # µm, and the coefficient

@@ -18,6 +18,7 @@ from tests import interrupted_calls
 import stickslip as ss
 from rows import each_row
 from stickslip.basics import interruption
+from stickslip.basics.errors import StickslipError
 from stickslip.basics.interruption import PROGRESS, held_together, interruptible, look, partial_result, stop_call
 
 HARNESS = Path(interrupted_calls.__file__)
@@ -138,7 +139,7 @@ def test_progress_that_says_stop_before_there_is_a_result_is_an_error_and_no_ctr
         stop_call(PROGRESS)
         look()
 
-    with pytest.raises(ss.StickslipError, match="found: progress returned False before there was a result"):
+    with pytest.raises(StickslipError, match="found: progress returned False before there was a result"):
         found()
 
 
@@ -195,7 +196,7 @@ def test_an_interrupted_run_says_when_and_is_the_beginning_of_the_whole_run(law)
     assert np.array_equal(part.strobe_v[:60], whole.strobe_v[:60])
 
 
-@each_row("analysis", [ss.mean_velocity, ss.motion, ss.energy, ss.strobe, ss.step_per_cycle])
+@each_row("analysis", [ss.mean_velocity, ss.motion, ss.energy, ss.dynamics.strobe, ss.analysis.step_per_cycle])
 def test_an_analysis_refuses_a_run_that_was_interrupted_and_takes_it_shortened(analysis):
     part = part_of_a_run(law="coulomb")
     with pytest.raises(ss.InputError, match=r"the run was interrupted at t = .* type run\.shortened\(\)"):

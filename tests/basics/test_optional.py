@@ -20,7 +20,7 @@ EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["p
 
 
 def exported(path):
-    ss.export(xr.Dataset({"v": ("t", np.arange(3.0))}), path)
+    ss.studies.export(xr.Dataset({"v": ("t", np.arange(3.0))}), path)
 
 
 def read(path):

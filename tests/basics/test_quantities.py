@@ -12,7 +12,7 @@ from stickslip.basics.quantities import positive
 from stickslip.friction import LAWS
 from stickslip.show.explorer.machines import sliders_of
 
-GRIP = ss.quantity("grip of the pad", "1", r"\gamma_{p}", example=0.2, rule=positive, range=(0.05, 0.5))
+GRIP = ss.quantities.quantity("grip of the pad", "1", r"\gamma_{p}", example=0.2, rule=positive, range=(0.05, 0.5))
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,7 @@ import stickslip as ss
 from stickslip.friction import LAWS
 @dataclass(frozen=True, eq=False)
 class Odd(ss.Viscous):
-    a: float = field(default=1.0, metadata=ss.quantity("another a", "N", example=2.0))
+    a: float = field(default=1.0, metadata=ss.quantities.quantity("another a", "N", example=2.0))
     plain: float = field(default=3.0, metadata={"example": 3.0})
 LAWS["odd"] = Odd
 from stickslip.show.explorer.requests import State
@@ -74,7 +74,7 @@ def test_a_law_without_examples_is_told_what_to_type():
     class Bare(ss.Viscous):
         depth: float = field(kw_only=True)
 
-    with pytest.raises(ss.InputError, match=r"Bare: depth has no example; type depth: float = field\(metadata=ss\.quantity\("):
+    with pytest.raises(ss.InputError, match=r"Bare: depth has no example; type depth: float = field\(metadata=ss\.quantities\.quantity\("):
         Bare.example()
 
 
@@ -86,7 +86,7 @@ def test_sliders_of_every_law_reach_around_its_example(law):
 
 def test_a_description_that_makes_no_sense_is_refused_at_once():
     with pytest.raises(ss.InputError, match="4 problems"):
-        ss.quantity("grip", 3, example="big", range=(1.0, 0.0), shown="parsec")
+        ss.quantities.quantity("grip", 3, example="big", range=(1.0, 0.0), shown="parsec")
 
 
 def test_an_alias_of_float_is_a_number():

@@ -163,12 +163,14 @@ def test_ranges_of_studies_may_have_units():
     values = ([4e-4, 4.5e-4], ["0.4 mm", "0.45 mm"])
     assert all(ss.bifurcation(make, parameter="amplitude", values=v, **RIG).amplitude.values.tolist() == values[0] for v in values)
     over = [{"amplitude": ends, "mu0": (0.1, 0.3)} for ends in ((2e-4, 9e-4), ("0.2 mm", "0.9 mm"))]
-    assert ss.atlas_time(make, over=over[1], **RIG).most == ss.atlas_time(make, over=over[0], **RIG).most
+    assert ss.dynamics.atlas_time(make, over=over[1], **RIG).most == ss.dynamics.atlas_time(make, over=over[0], **RIG).most
     record = ss.virtual_rig(make(amplitude=5.5e-4, **RIG), noise=1e-4, seed=1)
     fits = [ss.identify(record, make, free={"amplitude": ends}, **RIG) for ends in ((3e-4, 8e-4), ("0.3 mm", "0.8 mm"))]
     assert fits[0].values == fits[1].values
     robot = make(amplitude=5.5e-4, **RIG)
-    spread = [ss.propagate(robot, uncertain={"drive.amplitude": each}, samples=8) for each in ((5.5e-4, "1%"), ("0.55 mm", "1%"))]
+    spread = [
+        ss.optimisation.propagate(robot, uncertain={"drive.amplitude": each}, samples=8) for each in ((5.5e-4, "1%"), ("0.55 mm", "1%"))
+    ]
     assert np.array_equal(spread[0].values, spread[1].values)
 
 
@@ -178,11 +180,13 @@ def test_ranges_of_studies_may_have_units():
         (lambda: ss.continuation(ss.presets.piezo_rig, start="1 kg", stop=4e-4, **SHORT), "start: kg is a unit of mass"),
         (lambda: ss.bifurcation(ss.presets.piezo_rig, parameter="amplitude", values=["1 s", "2 s"], **RIG), "values: s is a unit of time"),
         (
-            lambda: ss.atlas_time(ss.presets.piezo_rig, over={"amplitude": ("1 Hz", 1.0), "mu0": (0.1, 0.3)}, **RIG),
+            lambda: ss.dynamics.atlas_time(ss.presets.piezo_rig, over={"amplitude": ("1 Hz", 1.0), "mu0": (0.1, 0.3)}, **RIG),
             r"over\['amplitude'\]: Hz",
         ),
         (
-            lambda: ss.design(ss.presets.piezo_rig, free={"mu0": 0.1}, experiments={"amplitude": ["1 kg"]}, noise=1e-3, **RIG),
+            lambda: ss.identification.design(
+                ss.presets.piezo_rig, free={"mu0": 0.1}, experiments={"amplitude": ["1 kg"]}, noise=1e-3, **RIG
+            ),
             "kg is a unit",
         ),
     ],

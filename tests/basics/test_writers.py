@@ -21,6 +21,7 @@ import pytest
 import stickslip as ss
 from house import ROOT
 from rows import each_row
+from stickslip.basics.errors import StickslipError
 from stickslip.basics.whole_files import Deferred
 
 SOURCES = sorted((ROOT / "src" / "stickslip").rglob("*.py"))
@@ -166,8 +167,8 @@ def _optimum(path):
 WRITERS = {
     **{f"run{end}": lambda path: a_run().save(path) for end in (".nc", ".csv", ".mat", ".xlsx")},
     **{f"flow{end}": lambda path: a_flow_run().save(path) for end in (".nc", ".csv", ".mat", ".xlsx")},
-    **{f"grid{end}": lambda path: ss.export(a_grid(), path) for end in (".nc", ".csv", ".mat", ".xlsx")},
-    **{f"data{end}": lambda path: ss.export(a_run().to_xarray()[["x"]].rename(x="z"), path) for end in (".nc", ".csv", ".mat")},
+    **{f"grid{end}": lambda path: ss.studies.export(a_grid(), path) for end in (".nc", ".csv", ".mat", ".xlsx")},
+    **{f"data{end}": lambda path: ss.studies.export(a_run().to_xarray()[["x"]].rename(x="z"), path) for end in (".nc", ".csv", ".mat")},
     **{f"figure{end}": _picture for end in (".png", ".svg", ".pdf")},
     "record.csv": lambda path: ss.Record.of(np.linspace(0, 1, 300), {"v [m/s]": np.linspace(0, 1, 300) ** 2}).save(path),
     "law.h": lambda path: ss.export_law(ss.Coulomb(mu_plus=0.1, mu_minus=0.2), "c", name="law").save(path),
@@ -224,7 +225,7 @@ def fill_up(name, folder):
     for room in sorted({0, 1, 100, size // 3, size // 2, nearly}):
         if name == "command.json" and not path.exists():
             path.write_bytes(kept)
-        with room_for(room), pytest.raises(ss.StickslipError, match=r"cannot write|not be written") as refused:
+        with room_for(room), pytest.raises(StickslipError, match=r"cannot write|not be written") as refused:
             writer(path)
         assert len(str(refused.value).splitlines()) == 1 and "free some space" in str(refused.value)
         assert name == "command.json" or path.read_bytes() == kept
@@ -262,7 +263,7 @@ def test_a_failing_step_leaves_the_old_file(name, step, tmp_path, monkeypatch):
 
     with monkeypatch.context() as patched:
         patched.setattr(os, step, full)
-        with pytest.raises(ss.StickslipError, match="free some space"):
+        with pytest.raises(StickslipError, match="free some space"):
             writer(path)
     assert path.read_text() == "old" and [p.name for p in tmp_path.iterdir()] == [name]
 
@@ -298,7 +299,7 @@ def test_a_write_that_fails_leaves_the_old_file_whichever_it_is(name, tmp_path, 
     if name.endswith(".parquet"):
         pytest.importorskip("pyarrow")
     writer, path = (
-        {**WRITERS, "grid.parquet": lambda path: ss.export(a_grid(), path), "paper.png": _paper, "paper.svg": _paper}[name],
+        {**WRITERS, "grid.parquet": lambda path: ss.studies.export(a_grid(), path), "paper.png": _paper, "paper.svg": _paper}[name],
         tmp_path / name,
     )
     path.write_text("old")
@@ -309,7 +310,7 @@ def test_a_write_that_fails_leaves_the_old_file_whichever_it_is(name, tmp_path, 
     assert count > 0 and kept[name] != b"old"
     for k in sorted({1, 2, count // 3, count // 2, count - 1, count} & set(range(1, count + 1))):
         OneFails.left = k
-        with pytest.raises(ss.StickslipError, match="free some space") as refused:
+        with pytest.raises(StickslipError, match="free some space") as refused:
             writer(path)
         assert len(str(refused.value).splitlines()) == 1
         assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == ({} if name == "command.json" else kept)

@@ -136,7 +136,7 @@ def test_the_curve_of_a_pitchfork_is_closed_where_its_symmetry_stays():
     """x to (1 + p - q^2) x - x^3: p = q^2."""
     flow = of_map(lambda y, n: ((1 + n.p - n.q**2) * y[0] - y[0] ** 3,), {"p": -0.1, "q": 0.0}, ("x",))
     branch = ss.continuation(flow, parameter="p", start=-0.1, stop=0.3, guess={"x": 0.0})
-    curve = ss.special_curve(branch, branch.special[0], "q", stop=0.5)
+    curve = ss.dynamics.special_curve(branch, branch.special[0], "q", stop=0.5)
     assert curve.kind == "branch-point" and curve.ended == "it reached the end of the range"
     np.testing.assert_allclose(curve.values[:, 0], curve.values[:, 1] ** 2, rtol=0, atol=1e-9)
     assert curve.accuracy[:, 0].max() < 1e-9
@@ -146,7 +146,7 @@ def test_two_branches_that_come_apart_end_the_curve_of_their_crossing():
     """x to (1 + p) x - x^2 + q: they cross at q = 0 alone."""
     flow = of_map(lambda y, n: ((1 + n.p) * y[0] - y[0] ** 2 + n.q,), {"p": -0.1, "q": 0.0}, ("x",))
     branch = ss.continuation(flow, parameter="p", start=-0.1, stop=0.3, guess={"x": 0.0})
-    curve = ss.special_curve(branch, branch.special[0], "q", stop=0.5)
+    curve = ss.dynamics.special_curve(branch, branch.special[0], "q", stop=0.5)
     assert len(curve.values) == 1 and curve.ended == "the two branches separate as q changes: no symmetry preserves their crossing"
 
 
@@ -155,7 +155,7 @@ def test_symmetry_breaking_in_two_parameters_scales_as_the_equation_does():
         {0: lambda t, y, n: (y[1], -0.2 * y[1] - n.k * y[0] ** 3 + n.push * cos(t))}, {}, 2 * np.pi, {"push": 2.3, "k": 1.0}, ("x", "v")
     )
     branch = ss.continuation(flow, parameter="push", start=2.3, stop=2.5)
-    curve = ss.special_curve(branch, branch.special[0], "k", stop=1.1, step=0.1)
+    curve = ss.dynamics.special_curve(branch, branch.special[0], "k", stop=1.1, step=0.1)
     assert curve.ended == "it reached the end of the range"
     np.testing.assert_allclose(curve.values[:, 0] * np.sqrt(curve.values[:, 1]), branch.special[0].value, rtol=0, atol=1e-8)  # x by sqrt(k)
 

@@ -16,7 +16,7 @@ arb = flint.arb
 def proof_of(plus, minus, digits=20, **static):
     """Of the robot with these alphas."""
     robot = ss.presets.coulomb_robot(plus, minus)
-    return ss.certify(ss.periodic_orbit(robot.replace(friction=ss.Coulomb(plus, minus, **static))), digits)
+    return ss.dynamics.certify(ss.periodic_orbit(robot.replace(friction=ss.Coulomb(plus, minus, **static))), digits)
 
 
 @pytest.mark.parametrize(
@@ -55,7 +55,7 @@ def test_an_enclosure_holds_the_closed_formula_in_forty_digits():  # T2
 def test_a_motion_without_rest_has_the_multiplier_of_its_derivative():
     found = proof_of(0.4, 0.5)
     orbit = ss.periodic_orbit(ss.presets.coulomb_robot(0.4, 0.5))
-    assert float(np.real(orbit.multipliers[0])) in ss.Enclosure(found.multiplier.low - 1e-12, found.multiplier.high + 1e-12, "")
+    assert float(np.real(orbit.multipliers[0])) in ss.dynamics.Enclosure(found.multiplier.low - 1e-12, found.multiplier.high + 1e-12, "")
 
 
 @pytest.mark.parametrize("alphas", [(1.0, 1.0), (0.5, 1.0)], ids=["rest", "T5"])
@@ -85,7 +85,7 @@ def test_a_dip_below_zero_is_not_missed():
 
 def test_what_cannot_be_proved_is_refused_in_words(monkeypatch):
     with pytest.raises(ss.InputError, match="exact arcs need a set-valued law"):
-        ss.certify(ss.periodic_orbit(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="lugre")))
+        ss.dynamics.certify(ss.periodic_orbit(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="lugre")))
     monkeypatch.setitem(__import__("sys").modules, "flint", None)
     with pytest.raises(ss.InputError, match=r'pip install "stickslip\[certify\]"'):
         flint_for("certify")

@@ -98,6 +98,6 @@ def test_two_blocks_in_phase_gain_stability_as_their_spring_stiffens():
 
 
 def test_a_chain_that_nothing_drives_comes_to_rest():
-    chain = ss.Chain(ss.Bodies(mass=0.05, count=3, friction=ss.Coulomb(0.1, 0.3)), link=ss.Spring(10.0))
+    chain = ss.Chain(ss.machines.Bodies(mass=0.05, count=3, friction=ss.Coulomb(0.1, 0.3)), link=ss.Spring(10.0))
     run = ss.solve(chain, duration=3.0, start={"x": {"body 1": 0.1}})
     assert abs(run.v).max() > 0.1 and (run.v[-1] == 0.0).all()

@@ -14,7 +14,7 @@ def robot_and_flow():
     """A robot, and its equations written as a flow."""
     law = ss.Coulomb(mu_plus=0.4, mu_minus=0.5)
     robot = ss.Robot(body_mass=0.5, inner_mass=0.5, drive=ss.Harmonic(amplitude=2.0, omega=1.0), friction=law, gravity=1.0)
-    ground = ss.FlowContact(slip=lambda t, y, n: y[1], friction=law, load=1.0)
+    ground = ss.machines.FlowContact(slip=lambda t, y, n: y[1], friction=law, load=1.0)
 
     def rates(t, y, R, n):
         return (y[1], 0.5 * n.A * sin(t) - R.ground)
@@ -40,7 +40,7 @@ def test_a_robot_written_by_hand_moves_as_the_robot_does():
     assert abs(by_hand.mean_velocity - by_parts.mean_velocity) < ROUNDING and ss.mean_velocity(by_hand) == by_hand.mean_velocity
     moved = ss.motion(by_hand)
     assert (moved.type, moved.period) == ("periodic", 1) and abs(moved.mean_velocity - by_parts.mean_velocity) < ROUNDING
-    assert abs(ss.periodic_mean_velocity(flow) - ss.periodic_mean_velocity(robot)) < ROUNDING
+    assert abs(ss.analysis.periodic_mean_velocity(flow) - ss.analysis.periodic_mean_velocity(robot)) < ROUNDING
     one, other = ss.periodic_orbit(robot), ss.periodic_orbit(flow)
     assert other.multipliers.shape == one.multipliers.shape and abs(other.multipliers - one.multipliers).max() < ROUNDING
     assert abs(other.state[1] - one.state[0]) < ROUNDING and other.state[0] == 0.0
@@ -62,7 +62,7 @@ def test_basins_batches_and_exponents_know_the_mean_velocity():
 def test_a_block_pulled_along_is_a_block_on_a_belt():
     law = ss.Coulomb(mu_plus=1.0, mu_minus=1.0, f_plus=1.5, f_minus=1.5)
     belt = ss.periodic_orbit(ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=law))
-    ground = ss.FlowContact(slip=lambda t, y: y[2], friction=law, load=1.0)
+    ground = ss.machines.FlowContact(slip=lambda t, y: y[2], friction=law, load=1.0)
 
     def rates(t, y, R):
         return (y[2], 0.1 - y[2], 2.0 * y[1] - R.ground)

@@ -107,7 +107,7 @@ def test_the_slow_method_gives_the_same_multiplier():
     robot = dimensionless_robot(0.4, 0.5)
     orbit = ss.periodic_orbit(robot)
     v = float(orbit.state[0])
-    done = ss.passage(ss.switching_flow(robot), [0.0, v], 1 if v > 0 else -1, robot.period, method="dop853")
+    done = ss.dynamics.passage(ss.dynamics.switching_flow(robot), [0.0, v], 1 if v > 0 else -1, robot.period, method="dop853")
     assert done.state[1] == pytest.approx(v, abs=1e-13 * UNIT + 1e-13)
     assert done.monodromy[1, 1] == pytest.approx(float(orbit.multipliers[0]), abs=1e-10)
 
@@ -243,8 +243,8 @@ def test_three_borders_meet_in_one_point():
     """Types I, II and III: (0.217233628211222, 1), found from each of the three borders."""
     down = ss.continuation(dimensionless_robot, parameter="alpha_minus", start=0.9, stop=1.1, step=0.1, alpha_plus=0.3)
     across = ss.continuation(dimensionless_robot, parameter="alpha_plus", start=0.15, stop=0.08, step=0.1, alpha_minus=0.9)
-    curves = [ss.special_curve(down, s, "alpha_plus", 0.1, step=0.05) for s in down.special]
-    curves.append(ss.special_curve(across, across.special[0], "alpha_minus", 1.1, step=0.05))
+    curves = [ss.dynamics.special_curve(down, s, "alpha_plus", 0.1, step=0.05) for s in down.special]
+    curves.append(ss.dynamics.special_curve(across, across.special[0], "alpha_minus", 1.1, step=0.05))
     assert len(curves) == 3
     for curve in curves:
         assert [m.kind for m in curve.special] == ["triple-point"]
@@ -264,7 +264,7 @@ def test_borders_of_the_paper_in_its_amplitude():
 
 def test_a_curve_of_flips_stays_on_the_flip(branch):
     flip = next(s for s in branch.special if s.kind == "flip")
-    curve = ss.special_curve(branch, flip, "amplitude", 6.2e-4, step=0.1)
+    curve = ss.dynamics.special_curve(branch, flip, "amplitude", 6.2e-4, step=0.1)
     for (mu0, amplitude), orbit in zip(curve.values, curve.orbits, strict=True):
         again = ss.periodic_orbit(ss.presets.piezo_rig(tilt_deg=1.7, mu0=mu0, amplitude=amplitude), guess=orbit)
         assert float(again.multipliers[0]) == pytest.approx(-1.0, abs=1e-6)
@@ -316,7 +316,7 @@ def test_any_set_valued_law_has_orbits():
 
 def test_an_impulse_at_a_known_instant_is_no_switch():
     """D1: the two-phase drive, closed V = 0.000470057764 m/s; the strobe state is the state after the impulse."""
-    robot = ss.Robot(1 - 0.1315, 0.1315, ss.TwoPhase(stroke=0.01, u1=0.1, u2=0.1), ss.Coulomb(0.15, 0.25))
+    robot = ss.Robot(1 - 0.1315, 0.1315, ss.drives.TwoPhase(stroke=0.01, u1=0.1, u2=0.1), ss.Coulomb(0.15, 0.25))
     orbit = ss.periodic_orbit(robot)
     assert orbit.mean_velocity == pytest.approx(0.000470057764, abs=5e-13)
     assert float(orbit.state[0]) == pytest.approx(-0.1315 * 0.2, rel=1e-12), "the jump J = mu (u1 + u2)"
@@ -352,7 +352,9 @@ def test_chaos_by_two_methods(amplitude, mu0, published):
     found = ss.verdict(robot, periods=500, settle=200)
     assert found.kind == "chaotic" and found.period is None
     starts = np.column_stack([np.linspace(-2e-3, 2e-3, 16), np.zeros(16)])
-    each, _ = ss.largest_exponents(robot.replace({"drive.amplitude": np.full(16, amplitude)}), periods=60, settle=100, start=starts)
+    each, _ = ss.dynamics.largest_exponents(
+        robot.replace({"drive.amplitude": np.full(16, amplitude)}), periods=60, settle=100, start=starts
+    )
     other, scatter = each.mean(), each.std(ddof=1) / 4
     l = found.exponents  # noqa: E741
     assert abs(l.largest - other) < 3 * math.hypot(l.error, scatter)
@@ -421,9 +423,9 @@ def test_a_robot_at_another_phase_has_its_equations_of_that_time(drive, track):
 
 def test_one_robot_goes_one_way_from_every_phase():
     """Its load and its friction vary with the drive, so they start at that phase too."""
-    drive = ss.VerticalVibration(ss.Harmonic(amplitude=8e-4, omega=205.0), amplitude=5e-5, phase=1.0)
+    drive = ss.drives.VerticalVibration(ss.Harmonic(amplitude=8e-4, omega=205.0), amplitude=5e-5, phase=1.0)
     robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb")
-    robot = robot.replace(drive=drive, track=ss.VaryingFriction(ss.Level(), depth=0.3, phase=1.5))
+    robot = robot.replace(drive=drive, track=ss.tracks.VaryingFriction(ss.Level(), depth=0.3, phase=1.5))
     V = ss.mean_velocity(ss.solve(robot, periods=20, method="dop853", rtol=1e-8))
     found = ss.basins(robot, phase=[0.0, 0.25, 0.5], settle=20)
     assert len(found.attractors) == 1
@@ -448,7 +450,7 @@ class Sawtooth:
         return where(within(t, self.period) < 0.5 * self.period, 1.0, -2.0) * self.amplitude / self.period**2
 
 
-@pytest.mark.parametrize("drive", [Sawtooth(1e-3, 0.03), ss.TwoPhase(stroke=1e-3, u1=0.05, u2=0.2)], ids=lambda d: type(d).__name__)
+@pytest.mark.parametrize("drive", [Sawtooth(1e-3, 0.03), ss.drives.TwoPhase(stroke=1e-3, u1=0.05, u2=0.2)], ids=lambda d: type(d).__name__)
 def test_a_drive_in_pieces_may_start_at_any_phase(drive):
     """The starts all lead to one motion, and a shifted run is the run itself from there."""
     robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb").replace(drive=drive)
@@ -477,9 +479,9 @@ def test_a_start_at_another_phase_is_a_start_of_the_shifted_drive():
 def test_sections_of_a_periodic_motion_are_points():
     run = ss.solve(ss.presets.piezo_rig(mu0=0.04, **RIG), periods=200, rtol=1e-9)
     for phase in (0.0, 0.3):
-        v = ss.strobe(run, phase).v.values
+        v = ss.dynamics.strobe(run, phase).v.values
         assert abs(v[2:] - v[:-2]).max() < 1e-6 * velocity_unit(run.model) and abs(v[1:] - v[:-1]).max() > 1e-4
-    section = ss.poincare(run, direction=-1)
+    section = ss.dynamics.poincare(run, direction=-1)
     assert abs(section.v).max() < 1e-12
     assert len(np.unique(section.phase.values.round(6))) == 2, "one fall through v = 0 in each period, two of them different"
 
@@ -487,10 +489,10 @@ def test_sections_of_a_periodic_motion_are_points():
 @each_row(
     ("act", "words", "count"),
     [
-        (lambda run: ss.strobe(run, "x", settle=-3), "settle = -3; allowed is a whole number from 0 below the 4 drive periods", 2),
-        (lambda run: ss.strobe(run, settle=4), "settle = 4; .* type for example settle=2", 1),
-        (lambda run: ss.poincare(run, on="w", value="x", direction=2, settle=0.5), "on = 'w' is not a column", 4),
-        (lambda run: ss.spectrum(run, "foo", harmonics=0, periods=5), "periods = 5; allowed is a whole number from 1 to the 4", 3),
+        (lambda run: ss.dynamics.strobe(run, "x", settle=-3), "settle = -3; allowed is a whole number from 0 below the 4 drive periods", 2),
+        (lambda run: ss.dynamics.strobe(run, settle=4), "settle = 4; .* type for example settle=2", 1),
+        (lambda run: ss.dynamics.poincare(run, on="w", value="x", direction=2, settle=0.5), "on = 'w' is not a column", 4),
+        (lambda run: ss.dynamics.spectrum(run, "foo", harmonics=0, periods=5), "periods = 5; allowed is a whole number from 1 to the 4", 3),
     ],
 )
 def test_wrong_orders_of_sections_are_told_what_to_type(act, words, count):
@@ -503,7 +505,7 @@ def test_wrong_orders_of_sections_are_told_what_to_type(act, words, count):
 def test_lines_of_a_spectrum_add_up_to_the_power():
     """Parseval: the mean of v^2 is the sum of the lines; what lies beyond the 40th harmonic is below 1e-5 of it."""
     run = ss.solve(ss.presets.piezo_rig(mu0=0.04, **RIG), periods=200, rtol=1e-9)
-    lines = ss.spectrum(run)
+    lines = ss.dynamics.spectrum(run)
     assert lines.attrs["period"] == 2 and lines.attrs["window"] == "none"
     mean = float(lines.amplitude[0])
     assert mean == pytest.approx(abs(ss.mean_velocity(run)), rel=1e-5)

@@ -88,7 +88,7 @@ def test_curves_and_their_meetings_carry_their_accuracy():
     """The border of types III and IV at every k is closed; along its curve too."""
     make = lambda k, alpha_plus: by_ratio(k=k, alpha_plus=alpha_plus)  # noqa: E731
     b = ss.continuation(make, parameter="alpha_plus", start=0.32, stop=0.25, step=0.1, k=2.0)
-    curve = ss.special_curve(b, b.special[0], "k", stop=2.2, step=0.2)
+    curve = ss.dynamics.special_curve(b, b.special[0], "k", stop=2.2, step=0.2)
     for (plus, k), (unsure, _) in zip(curve.values, curve.accuracy, strict=True):
         assert abs(plus - float(border_iii_iv(k))) <= unsure <= 1e-11
     assert np.array_equal(curve.points["alpha_plus_accuracy"].values, curve.accuracy[:, 0])

@@ -20,7 +20,7 @@ def henon(x):
 
 def test_henon_has_its_published_exponents():
     """0.4192 and -1.6232 (Sprott 2003, table A.2.1); 20 000 iterations leave an error of about 0.003."""
-    found = ss.lyapunov_of_map(henon, [0.1, 0.1], iterations=20_000)
+    found = ss.dynamics.lyapunov_of_map(henon, [0.1, 0.1], iterations=20_000)
     assert found.error < 0.01
     assert abs(found.largest - 0.41922) < 3 * found.error
     assert found.spectrum.sum() == pytest.approx(math.log(0.3), abs=1e-12), "the area shrinks by 0.3 everywhere"
@@ -28,26 +28,28 @@ def test_henon_has_its_published_exponents():
 
 
 def test_a_given_jacobian_changes_nothing():
-    own = ss.lyapunov_of_map(henon, [0.1, 0.1], iterations=500)
-    given = ss.lyapunov_of_map(henon, [0.1, 0.1], iterations=500, jacobian=lambda x: [[-2.8 * x[0], 1.0], [0.3, 0.0]])
+    own = ss.dynamics.lyapunov_of_map(henon, [0.1, 0.1], iterations=500)
+    given = ss.dynamics.lyapunov_of_map(henon, [0.1, 0.1], iterations=500, jacobian=lambda x: [[-2.8 * x[0], 1.0], [0.3, 0.0]])
     np.testing.assert_allclose(own.spectrum, given.spectrum, rtol=1e-12)
 
 
 def test_logistic_map_at_four_has_ln_2():
-    found = ss.lyapunov_of_map(lambda x: (4 * x[0] * (1 - x[0]),), [0.3], iterations=20_000)
+    found = ss.dynamics.lyapunov_of_map(lambda x: (4 * x[0] * (1 - x[0]),), [0.3], iterations=20_000)
     assert abs(found.largest - math.log(2)) < 3 * found.error + 1e-6 and found.error < 0.01
 
 
 def test_a_rotation_has_exponent_zero():
     turn = lambda x: (0.6 * x[0] - 0.8 * x[1], 0.8 * x[0] + 0.6 * x[1])  # noqa: E731
-    found = ss.lyapunov_of_map(turn, [1.0, 0.0], iterations=200)
+    found = ss.dynamics.lyapunov_of_map(turn, [1.0, 0.0], iterations=200)
     np.testing.assert_allclose(found.spectrum, 0.0, atol=1e-14)
     assert not found.chaotic
 
 
 def test_linear_flow_has_the_real_parts_of_its_eigenvalues():
     A = np.array([[-0.5, 2.0, 0.0], [-2.0, -0.5, 0.3], [0.0, 0.0, 0.1]])
-    found = ss.lyapunov_of_flow(lambda x: [sum(a * v for a, v in zip(row, x, strict=True)) for row in A], [1e-6, 0, 1e-6], duration=300.0)
+    found = ss.dynamics.lyapunov_of_flow(
+        lambda x: [sum(a * v for a, v in zip(row, x, strict=True)) for row in A], [1e-6, 0, 1e-6], duration=300.0
+    )
     np.testing.assert_allclose(found.spectrum, [0.1, -0.5, -0.5], atol=0.01)  # rotation within a plane averages out as 1/time
 
 
@@ -55,7 +57,7 @@ def test_linear_flow_has_the_real_parts_of_its_eigenvalues():
 def test_lorenz_has_its_published_exponents():
     """0.9056, 0, -14.5723 (Sprott 2003, table A.5.1); the trace is -41/3."""
     lorenz = lambda x: (10 * (x[1] - x[0]), x[0] * (28 - x[2]) - x[1], x[0] * x[1] - 8 / 3 * x[2])  # noqa: E731
-    found = ss.lyapunov_of_flow(lorenz, [1.0, 1.0, 1.0], duration=600.0)
+    found = ss.dynamics.lyapunov_of_flow(lorenz, [1.0, 1.0, 1.0], duration=600.0)
     assert abs(found.largest - 0.9056) < 4 * found.error and found.error < 0.02
     assert abs(found.spectrum[1]) < 0.01
     assert found.spectrum.sum() == pytest.approx(-41 / 3, abs=1e-6)
@@ -93,13 +95,13 @@ def den_hartog(F):
 
 def differenced(flow, orbit, h=1e-5):
     """The monodromy matrix by central differences of the flow."""
-    go = lambda y: ss.passage(flow, y, orbit.mode, orbit.duration).state  # noqa: E731
+    go = lambda y: ss.dynamics.passage(flow, y, orbit.mode, orbit.duration).state  # noqa: E731
     return np.array([(go(orbit.state + h * e) - go(orbit.state - h * e)) / (2 * h) for e in np.eye(len(orbit.state))]).T
 
 
 @pytest.fixture(scope="module")
 def non_stop():
-    return ss.flow_orbit(den_hartog(0.3), [1.0, 0.5], 1, settle=10)
+    return ss.dynamics.flow_orbit(den_hartog(0.3), [1.0, 0.5], 1, settle=10)
 
 
 def test_den_hartogs_amplitude(non_stop):
@@ -107,7 +109,7 @@ def test_den_hartogs_amplitude(non_stop):
     V, U = 1 / (1 - R**2), math.tan(math.pi / (2 * R)) / R
     X = math.sqrt(V**2 - 0.3**2 * U**2)
     assert pytest.approx(1.88569985041425, rel=1e-12) == X
-    turn = ss.passage(den_hartog(0.3), non_stop.state, non_stop.mode, non_stop.duration, switches=1)
+    turn = ss.dynamics.passage(den_hartog(0.3), non_stop.state, non_stop.mode, non_stop.duration, switches=1)
     assert abs(turn.state[0]) == pytest.approx(X, abs=1e-10)
 
 
@@ -124,7 +126,7 @@ def test_rest_appears_where_den_hartog_says():
     """An adding-sliding border: the turning force X R^2 falls to F, at F = V / sqrt(1/R^4 + U^2)."""
     V, U = 1 / (1 - R**2), math.tan(math.pi / (2 * R)) / R
     border = V / math.sqrt(1 / R**4 + U**2)
-    before, after = (ss.flow_orbit(den_hartog(border + side * 1e-4), [0.9, 0.8], 1, settle=8) for side in (-1, 1))
+    before, after = (ss.dynamics.flow_orbit(den_hartog(border + side * 1e-4), [0.9, 0.8], 1, settle=8) for side in (-1, 1))
     assert 0 not in before.pattern and 0 in after.pattern
     assert abs(after.multipliers).min() == 0.0, "rest forgets a direction"
 
@@ -145,7 +147,7 @@ def test_belt_cycle_has_its_closed_period():
     v, w, D = 0.1, math.sqrt(2), 0.25
     expected = 2 / w * (math.pi - math.atan(D * w / v)) + 2 * D / v
     assert pytest.approx(7.6112592541013, abs=1e-12) == expected
-    orbit = ss.flow_orbit(belt(v, lambda s: 1.0 + 0.0 * s), [0.6, v], 0, duration=7.5)
+    orbit = ss.dynamics.flow_orbit(belt(v, lambda s: 1.0 + 0.0 * s), [0.6, v], 0, duration=7.5)
     assert orbit.duration == pytest.approx(expected, abs=1e-10)
     assert np.all(orbit.multipliers == 0.0), "riding the belt forgets everything but the place on it"
 
@@ -157,16 +159,16 @@ def test_a_cycle_that_makes_the_same_switches_twice_is_found_whole(guess):
     turn = lambda speed: lambda t, y: (y[0] * inward(y) - speed * y[1], y[1] * inward(y) + speed * y[0])  # noqa: E731
     side = lambda sign: lambda t, y: sign * y[1] * (2 * y[0] + 0.9)  # noqa: E731
     switches = {2: (ss.Switch(side(1), 1),), 1: (ss.Switch(side(-1), 2),)}
-    orbit = ss.flow_orbit(ss.SwitchingFlow({2: turn(2.0), 1: turn(1.0)}, switches), [0.9, 0.1], 2, duration=guess)
+    orbit = ss.dynamics.flow_orbit(ss.SwitchingFlow({2: turn(2.0), 1: turn(1.0)}, switches), [0.9, 0.1], 2, duration=guess)
     assert orbit.duration == pytest.approx(1.5 * math.pi, abs=1e-11) and len(orbit.events) == 4
 
 
 def test_weakening_friction_on_a_belt_has_one_stick_slip_cycle():
     """From inside and from outside: one cycle, whatever the start."""
     flow = belt(0.1, lambda s: 1.0 + 0.5 * exp(-s / 0.2))
-    found = [ss.flow_orbit(flow, [x, v], mode, duration=4.0) for x, v, mode in ((0.5, 0.1, 0), (0.7, 0.1, 0))]
+    found = [ss.dynamics.flow_orbit(flow, [x, v], mode, duration=4.0) for x, v, mode in ((0.5, 0.1, 0), (0.7, 0.1, 0))]
     assert found[0].duration == pytest.approx(found[1].duration, abs=1e-9)
-    cycle = ss.passage(flow, [0.52, 0.05], 1, 200.0)  # slipping, beside the unstable equilibrium
+    cycle = ss.dynamics.passage(flow, [0.52, 0.05], 1, 200.0)  # slipping, beside the unstable equilibrium
     slips = [t for t, before, _ in cycle.events if before == 0]
     assert slips[-1] - slips[-2] == pytest.approx(found[0].duration, abs=1e-9)
 
@@ -182,7 +184,7 @@ def impact(restitution, wall=0.0, w=2.8):
 
 def test_impact_orbit_shrinks_areas_by_the_square_of_its_restitution():
     flow = impact(0.8)
-    orbit = ss.flow_orbit(flow, [0.2, 0.3], 0, periods=1, settle=60)
+    orbit = ss.dynamics.flow_orbit(flow, [0.2, 0.3], 0, periods=1, settle=60)
     assert len(orbit.passage.events) == 1
     assert float(np.prod(orbit.multipliers).real) == pytest.approx(0.64, abs=1e-10)
     np.testing.assert_allclose(orbit.passage.monodromy, differenced(flow, orbit), atol=1e-6)
@@ -193,12 +195,14 @@ def test_grazing_begins_where_the_free_swing_reaches_the_wall():
     w, reach = 2.8, 1 / (2.8**2 - 1)
     t = math.pi / 2 / w
     start = [0.0, -w / (1 - w**2)]
-    hits = [len(ss.passage(impact(0.8, wall), start, 0, 2 * math.pi / w, begin=t).events) for wall in (-reach - 1e-6, -reach + 1e-6)]
+    hits = [
+        len(ss.dynamics.passage(impact(0.8, wall), start, 0, 2 * math.pi / w, begin=t).events) for wall in (-reach - 1e-6, -reach + 1e-6)
+    ]
     assert hits[0] == 0 and hits[1] > 0
 
 
 def test_exponents_of_a_switching_flow_are_those_of_its_multipliers(non_stop):
-    found = ss.lyapunov_of_flow(den_hartog(0.3), non_stop.state, duration=60 * non_stop.duration, settle=0.0, mode=non_stop.mode)
+    found = ss.dynamics.lyapunov_of_flow(den_hartog(0.3), non_stop.state, duration=60 * non_stop.duration, settle=0.0, mode=non_stop.mode)
     assert found.spectrum.sum() * non_stop.duration == pytest.approx(float(np.log(abs(non_stop.multipliers)).sum()), abs=1e-8)
 
 
@@ -207,13 +211,13 @@ def test_exponents_of_a_switching_flow_are_those_of_its_multipliers(non_stop):
 
 def test_bad_starts_are_said():
     with pytest.raises(ss.InputError, match="x0"):
-        ss.lyapunov_of_map(henon, ["a", 1])
+        ss.dynamics.lyapunov_of_map(henon, ["a", 1])
     with pytest.raises(ss.InputError, match="duration"):
-        ss.flow_orbit(belt(0.1, lambda s: 1.0), [0.6, 0.1], 0)
+        ss.dynamics.flow_orbit(belt(0.1, lambda s: 1.0), [0.6, 0.1], 0)
 
 
 @pytest.mark.parametrize("settle", [0.0, 5.0])
 def test_a_flow_that_leaves_all_bounds_has_no_exponents(settle):
     """x' = x^2 from 1 is 1/(1 - t)."""
     with pytest.raises(ss.InputError, match=r"diverges at t = 1 from x0 = \[1.0\].* [Gg]ive a start"):
-        ss.lyapunov_of_flow(lambda x: (x[0] ** 2,), [1.0], duration=5.0, settle=settle)
+        ss.dynamics.lyapunov_of_flow(lambda x: (x[0] ** 2,), [1.0], duration=5.0, settle=settle)

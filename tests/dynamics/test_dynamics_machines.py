@@ -330,7 +330,7 @@ def test_exponents_of_a_rotating_pair_have_its_sum_and_the_neighbours_its_mean(o
     found = ss.lyapunov(orbit.model, periods=40, settle=80)
     assert found.spectrum.sum() == pytest.approx(np.log(abs(orbit.multipliers)).sum(), abs=1e-6)
     batch = chain(0.0, 1.0).replace({"phases.1": np.array([math.pi, 2.0])})
-    largest, error = ss.largest_exponents(batch, periods=100, settle=80)
+    largest, error = ss.dynamics.largest_exponents(batch, periods=100, settle=80)
     assert abs(largest[0] - math.log(abs(orbit.multipliers[0]))) < max(4 * error[0], 0.005)
     told = ss.verdict(orbit.model, periods=20, settle=80)
     assert (told.kind, told.period) == ("periodic", 1) and told.orbit.mean_velocity == pytest.approx(KNOWN["antiphase"][1], rel=1e-11)
@@ -341,7 +341,7 @@ def test_exponents_of_a_machine_of_ones_own():
     orbit, found = ss.periodic_orbit(machine), ss.lyapunov(machine, periods=20, settle=100)
     with np.errstate(divide="ignore"):
         np.testing.assert_allclose(found.spectrum, np.log(abs(orbit.multipliers)), atol=1e-6)
-    assert ss.largest_exponents(machine, periods=40, settle=100)[0][0] == pytest.approx(found.largest, abs=1e-6)
+    assert ss.dynamics.largest_exponents(machine, periods=40, settle=100)[0][0] == pytest.approx(found.largest, abs=1e-6)
 
 
 def test_a_diagram_and_a_map_over_the_phase():
@@ -349,7 +349,7 @@ def test_a_diagram_and_a_map_over_the_phase():
     found = ss.bifurcation(chain(0.0, 1.0), parameter="phases.1", values=values, settle=150, points=8, follow=False)
     assert found["v.module 1"].attrs["long_name"] == "velocity of module 1 on the strobe" and "v_max" not in found
     assert float(found.mean_velocity[0, -1]) == pytest.approx(KNOWN["antiphase"][1], rel=1e-10)
-    told = ss.chaos_map(lambda phase: chain(0.0, 1.0).replace({"phases.1": phase}), phase=values, settle=150, periods=20)
+    told = ss.dynamics.chaos_map(lambda phase: chain(0.0, 1.0).replace({"phases.1": phase}), phase=values, settle=150, periods=20)
     assert told.period.values.tolist() == [1, 1, 1]
     assert float(told.exponent[-1]) == pytest.approx(math.log(abs(KNOWN["antiphase"][2][0])), abs=1e-5)
 
@@ -357,9 +357,9 @@ def test_a_diagram_and_a_map_over_the_phase():
 # ---- sections ----
 def test_sections_of_a_chain_have_an_axis_of_bodies(orbits):
     run = orbits["a quarter"].run
-    points = ss.strobe(run, settle=0)
+    points = ss.dynamics.strobe(run, settle=0)
     assert points.v.dims == ("point", "body") and points.v.sel(body="module 2")[0] == orbits["a quarter"].state[1]
-    section = ss.poincare(ss.solve(run.model, periods=120), on="v.module 1", direction=1)
+    section = ss.dynamics.poincare(ss.solve(run.model, periods=120), on="v.module 1", direction=1)
     assert section.phase[-1] == pytest.approx(0.1103776907, abs=1e-9)  # module 1 starts forwards
     assert section.displacement[-1] == pytest.approx(KNOWN["a quarter"][1] * run.period_time, rel=1e-9)
 
@@ -368,12 +368,12 @@ def test_sections_of_a_chain_have_an_axis_of_bodies(orbits):
 @each_row(
     ("call", "said"),
     [
-        (lambda: ss.switching_flow(chain(0.0, 1.0)), "allowed is one body on one contact, .* its modes are those of one contact"),
+        (lambda: ss.dynamics.switching_flow(chain(0.0, 1.0)), "allowed is one body on one contact, .* its modes are those of one contact"),
         (lambda: ss.basins(chain(0.0, 1.0), v=[0.0]), "'v' is not a coordinate of the start; known: v.module 1, v.module 2"),
         (lambda: ss.periodic_orbit(chain(0.0, 1.0), guess={"v": {"module 3": 1.0}}), "has no 'module 3'; did you mean"),
         (lambda: ss.periodic_orbit(chain(0.0, 1.0), guess=[0.0]), "allowed are the numbers v.module 1, v.module 2, l.module 2"),
         (lambda: ss.periodic_orbit(chain(0.0, 1.0).replace({"link.stiffness": 0.0})), "they drift apart and never come back"),
-        (lambda: ss.poincare(ss.solve(chain(0.0, 1.0), periods=2)), "'v' is not a column with one number .*; known: x.module 1"),
+        (lambda: ss.dynamics.poincare(ss.solve(chain(0.0, 1.0), periods=2)), "'v' is not a column with one number .*; known: x.module 1"),
     ],
 )  # fmt: skip
 def test_what_cannot_take_several_bodies_says_what_to_type(call, said):
@@ -432,15 +432,15 @@ def test_the_monodromy_matrix_of_random_machines_is_the_slope_of_their_maps(seed
 def test_lines_of_several_are_those_of_each_and_add_up_to_its_power():
     """Parseval over one motion period; and equal modules have the lines of one robot alone."""
     robot = module()
-    alone = ss.spectrum(ss.solve(robot, periods=60))
+    alone = ss.dynamics.spectrum(ss.solve(robot, periods=60))
     run = ss.solve(chain(0.0, 0.0), periods=60)
-    both = ss.spectrum(run)
+    both = ss.dynamics.spectrum(run)
     assert both.amplitude.dims == ("body", "order") and both.body.values.tolist() == ["module 1", "module 2"]
     for name in run.bodies:
-        own = ss.spectrum(run, body=name)
+        own = ss.dynamics.spectrum(run, body=name)
         assert np.array_equal(own.amplitude, both.amplitude.sel(body=name)) and np.array_equal(own.phase, both.phase.sel(body=name))
         assert own.amplitude.values == pytest.approx(alone.amplitude.values, abs=1e-9 * float(alone.amplitude.max()))
-    R = ss.spectrum(run, "friction_force", contact=1, harmonics=400)
+    R = ss.dynamics.spectrum(run, "friction_force", contact=1, harmonics=400)
     assert R.amplitude.attrs["units"] == "N" and R.amplitude.dims == ("order",)
     t = run.strobe_times[-2] + (np.arange(20000) + 0.5) * run.period_time / 20000
     square = np.mean(run.at(t)["friction_force"][:, 1] ** 2)
@@ -452,7 +452,7 @@ def test_lines_of_several_are_those_of_each_and_add_up_to_its_power():
         ({"column": "vv"}, "is not a column"),
     ]:
         with pytest.raises(ss.InputError, match=said):
-            ss.spectrum(run, **asked)
+            ss.dynamics.spectrum(run, **asked)
 
 
 @pytest.mark.parametrize(("settle", "run_on"), [(6, True), (40, False)])

@@ -52,13 +52,13 @@ def basins(**more):
 
 def exponents(**more):
     robot = ss.presets.piezo_rig(law="coulomb", tilt_deg=1.7, amplitude=np.linspace(7e-4, 9e-4, 300))
-    found = ss.largest_exponents(robot, periods=20, settle=4, **more)
+    found = ss.dynamics.largest_exponents(robot, periods=20, settle=4, **more)
     return xr.Dataset({"exponent": ("case", found[0]), "error": ("case", found[1])})
 
 
 def chaos(**more):
     grid = dict(mu0=np.linspace(0.1, 0.2, 15), amplitude=np.linspace(6e-4, 9e-4, 20))
-    return ss.chaos_map(ss.presets.piezo_rig, **grid, tilt_deg=1.7, law="coulomb", settle=6, periods=20, **more)
+    return ss.dynamics.chaos_map(ss.presets.piezo_rig, **grid, tilt_deg=1.7, law="coulomb", settle=6, periods=20, **more)
 
 
 @pytest.mark.parametrize("many", [diagram, basins, exponents, chaos])
@@ -66,7 +66,7 @@ def test_threads_change_nothing_and_progress_counts_cases(many):
     told = []
     alone, shared = many(), many(workers=3, progress=told.append)
     assert alone.identical(shared), "not one bit differs"
-    assert told and all(isinstance(now, ss.Progress) and now.cases == 300 for now in told)
+    assert told and all(isinstance(now, ss.studies.Progress) and now.cases == 300 for now in told)
     assert told[-1].done == 300 and [now.done for now in told] == sorted(now.done for now in told)
 
 
@@ -113,10 +113,10 @@ def test_an_interrupt_ends_the_threads(workers):
 def test_wrong_orders_of_exponents_are_told_what_to_type():
     robot = ss.presets.piezo_rig(law="coulomb", **RIG)
     with pytest.raises(ss.InputError) as told:
-        ss.largest_exponents(robot, periods=0, settle="x", workers=0)
+        ss.dynamics.largest_exponents(robot, periods=0, settle="x", workers=0)
     assert len(told.value.problems) == 3 and "periods = 0; allowed is a whole number from 1" in str(told.value)
     with pytest.raises(ss.InputError, match="'x' is not a model"):
-        ss.largest_exponents("x")
+        ss.dynamics.largest_exponents("x")
 
 
 def test_wrong_numbers_of_threads_are_told_what_to_type():
@@ -130,13 +130,13 @@ def test_wrong_numbers_of_threads_are_told_what_to_type():
 
 def two_laws(amplitude):
     """A maker that changes the law along its parameter."""
-    law = ss.TanhCoulomb.example() if amplitude < 5e-4 else ss.DeadBand.example()
+    law = ss.friction.TanhCoulomb.example() if amplitude < 5e-4 else ss.friction.DeadBand.example()
     return ss.presets.piezo_rig(tilt_deg=0.0, amplitude=amplitude).replace(friction=law)
 
 
 def two_tracks(amplitude):
     """A maker that changes a whole number along its parameter."""
-    track = ss.VaryingFriction(ss.Level(), depth=0.3, harmonic=1 if amplitude < 5e-4 else 2)
+    track = ss.tracks.VaryingFriction(ss.Level(), depth=0.3, harmonic=1 if amplitude < 5e-4 else 2)
     return ss.presets.piezo_rig(tilt_deg=1.7, amplitude=amplitude).replace(track=track)
 
 
@@ -161,7 +161,7 @@ def test_a_maker_of_several_kinds_is_refused_and_the_kinds_are_named(make, told)
 
 
 def test_exponents_of_a_map_are_those_of_multipliers_and_of_the_tangent():
-    found = ss.chaos_map(ss.presets.piezo_rig, mu0=[0.04, 0.05], amplitude=[4e-4, 6e-4], tilt_deg=1.7, settle=200, periods=100)
+    found = ss.dynamics.chaos_map(ss.presets.piezo_rig, mu0=[0.04, 0.05], amplitude=[4e-4, 6e-4], tilt_deg=1.7, settle=200, periods=100)
     for mu0, period in ((0.04, 2), (0.05, 1)):
         here = found.sel(mu0=mu0, amplitude=6e-4)
         orbit = ss.periodic_orbit(ss.presets.piezo_rig(mu0=mu0, **RIG), period=period)
@@ -173,7 +173,7 @@ def test_exponents_of_a_map_are_those_of_multipliers_and_of_the_tangent():
 
 
 def test_rest_has_exponent_minus_infinity_on_a_map():
-    found = ss.chaos_map(ss.presets.piezo_rig, amplitude=[3e-4, 5e-4, 8e-4], tilt_deg=1.7, law="coulomb", settle=20, periods=20)
+    found = ss.dynamics.chaos_map(ss.presets.piezo_rig, amplitude=[3e-4, 5e-4, 8e-4], tilt_deg=1.7, law="coulomb", settle=20, periods=20)
     assert found.exponent.values[:2].tolist() == [-math.inf, -math.inf] and found.period.values.tolist() == [1, 1, 1]
     assert float(found.exponent[2]) == pytest.approx(-2.418858, abs=1e-5)  # type IV: the logarithm of its multiplier
     ax = ss.plot.chaos_map(found)
@@ -183,10 +183,10 @@ def test_rest_has_exponent_minus_infinity_on_a_map():
 def test_maps_are_told_what_to_type():
     rig = ss.presets.piezo_rig
     for act, words in (
-        (lambda: ss.chaos_map(rig, tilt_deg=1.7, amplitude=6e-4), "0 arguments have several values"),
-        (lambda: ss.chaos_map(rig, tilt_deg=[1.7, 1.8], amplitude=[5e-4, 6e-4], mu0=[0.1, 0.2]), "3 arguments"),
-        (lambda: ss.chaos_map(rig, tilt_deg=1.7, amplitude=[5e-4, math.nan]), "finite"),
-        (lambda: ss.chaos_map(rig, tilt_deg=1.7, amplitude=[5e-4, 6e-4], periods=3), "from 20"),
+        (lambda: ss.dynamics.chaos_map(rig, tilt_deg=1.7, amplitude=6e-4), "0 arguments have several values"),
+        (lambda: ss.dynamics.chaos_map(rig, tilt_deg=[1.7, 1.8], amplitude=[5e-4, 6e-4], mu0=[0.1, 0.2]), "3 arguments"),
+        (lambda: ss.dynamics.chaos_map(rig, tilt_deg=1.7, amplitude=[5e-4, math.nan]), "finite"),
+        (lambda: ss.dynamics.chaos_map(rig, tilt_deg=1.7, amplitude=[5e-4, 6e-4], periods=3), "from 20"),
         (lambda: ss.plot.chaos_map(chaos(), quantity="speed"), "motion or exponent"),
         (lambda: ss.plot.chaos_map(chaos(), curves=[1]), "special_curve"),
     ):
@@ -219,7 +219,9 @@ def test_a_transient_beside_a_flip_has_not_period_two_however_small(aside):
 
 
 def test_no_point_of_a_map_outside_the_window_of_doubling_has_period_two():
-    found = ss.chaos_map(ss.presets.piezo_rig, mu0=FLIP + np.array([1e-5, 3e-5, 1e-4, 3e-4]), **RIG, settle=200, periods=20, rtol=1e-7)
+    found = ss.dynamics.chaos_map(
+        ss.presets.piezo_rig, mu0=FLIP + np.array([1e-5, 3e-5, 1e-4, 3e-4]), **RIG, settle=200, periods=20, rtol=1e-7
+    )
     assert set(found.period.values.tolist()) <= {0, 1} and int(found.period[-1]) == 1
 
 
@@ -248,7 +250,7 @@ def test_a_branch_that_leaves_the_admissible_region_says_which_condition_failed(
 def test_a_curve_that_leaves_the_admissible_region_says_so():
     """The border of types III and IV where backward friction goes to zero: k = 0, below which there is no law."""
     b = ss.continuation(by_ratio, parameter="alpha_plus", start=0.7, stop=0.4, step=0.3, k=1.0)
-    curve = ss.special_curve(b, b.special[0], "k", stop=-0.5, step=0.2)
+    curve = ss.dynamics.special_curve(b, b.special[0], "k", stop=-0.5, step=0.2)
     assert "left the admissible region" in curve.ended and "mu_minus" in curve.ended
     for alpha_plus, k in curve.values:
         assert k * alpha_plus == pytest.approx(float(border_iii_iv(1 / k)), abs=1e-9), "the smaller of both, by the ratio from 1"

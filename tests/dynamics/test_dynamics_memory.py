@@ -16,8 +16,8 @@ from stickslip.dynamics.stroboscopic.differences import at_limits, difference_ja
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_map, strobe_states
 from stickslip.maths import where
 
-GMS = ss.GMS(0.15, 0.21, 0.18, 0.24, sigma0=4e5, v_s=2e-3, attraction=100.0, sigma2=0.04)
-RESET = ss.ResetIntegrator(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24, sigma0=4e5, sigma1=100.0)
+GMS = ss.friction.GMS(0.15, 0.21, 0.18, 0.24, sigma0=4e5, v_s=2e-3, attraction=100.0, sigma2=0.04)
+RESET = ss.friction.ResetIntegrator(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24, sigma0=4e5, sigma1=100.0)
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ def test_exponents_two_ways():
     robot = rig(GMS, 8e-4)
     orbit = ss.periodic_orbit(robot)
     found = ss.lyapunov(robot, periods=20, settle=20)
-    other, _ = ss.largest_exponents(robot, periods=20, settle=20)
+    other, _ = ss.dynamics.largest_exponents(robot, periods=20, settle=20)
     expected = math.log(abs(orbit.multipliers[0]))
     assert found.largest == pytest.approx(expected, abs=1e-5) and float(other[0]) == pytest.approx(expected, abs=1e-3)
 
@@ -179,7 +179,7 @@ def test_where_elements_yield_on_the_strobe_the_derivative_is_the_one_sided_one_
 
 def test_sensitivities_where_elements_yield_are_those_of_neighbouring_orbits(yielding):
     robot, h = yielding.model, 1e-5
-    found = ss.sensitivity(yielding, wrt=["force", "omega", "damping", "friction.limits.0"])
+    found = ss.dynamics.sensitivity(yielding, wrt=["force", "omega", "damping", "friction.limits.0"])
     for row, name in zip(found.state, found.names, strict=True):
         value = float(found.values[found.names.index(name)])
         ends = [ss.periodic_orbit(replace_leaf(robot, {name: value + side * h})).state[:4] for side in (1, -1)]
@@ -199,9 +199,9 @@ def test_a_law_that_stands_at_a_limit_of_its_equations_has_no_exponents_and_says
 
 
 def test_chance_is_no_map():
-    law = ss.Bristle(mu_plus=0.15, mu_minus=0.21, sigma0=4e5)
+    law = ss.friction.Bristle(mu_plus=0.15, mu_minus=0.21, sigma0=4e5)
     for act in (ss.periodic_orbit, ss.lyapunov, ss.basins):
-        with pytest.raises(ss.InputError, match=r"random places.*ss\.GMS.*ss\.strobe"):
+        with pytest.raises(ss.InputError, match=r"random places.*ss\.friction\.GMS.*ss\.dynamics\.strobe"):
             act(rig(law))
     with pytest.raises(ss.InputError, match="random places"):
         ss.periodic_orbit(rig(law + ss.Viscous(0.1, 0.1)))

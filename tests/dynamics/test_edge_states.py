@@ -47,7 +47,7 @@ def _middle_root(h):
 
 @pytest.mark.parametrize("h", [-0.12, -0.05, 0.0, 0.1])
 def test_the_edge_of_a_map_is_the_middle_root_with_its_multiplier(h):
-    edge = ss.edge_state(CUBIC.replace(h=h), {"x": -1.0}, {"x": 1.0})
+    edge = ss.dynamics.edge_state(CUBIC.replace(h=h), {"x": -1.0}, {"x": 1.0})
     root = _middle_root(h)
     assert (edge.kind, edge.period, edge.notes) == ("repeller", 1, ())
     assert abs(edge.state[0] - root) <= edge.accuracy < 1e-10
@@ -58,7 +58,7 @@ def test_the_edge_of_a_map_is_the_middle_root_with_its_multiplier(h):
 def test_the_edge_of_a_flow_is_on_the_unstable_branch_between_its_folds():
     """The branch is followed from the large motion through the fold at w = 1.7797, and comes back below it with no bisection."""
     found = ss.basins(HARDENING.replace(w=1.7), x=[-2.0, 0.0, 2.0], v=[-2.0, 0.0, 2.0], settle=100)
-    edge = ss.edge_state(found.model, *found.attractors, settle=100)
+    edge = ss.dynamics.edge_state(found.model, *found.attractors, settle=100)
     branch = ss.continuation(HARDENING, parameter="w", start=1.65, stop=1.85, step=0.05, guess={"x": 0.77, "v": 2.1}, points=30)
     unstable = [k for k, orbit in enumerate(branch.orbits) if orbit.stability == "unstable"]
     assert branch.orbits[0].stable and branch.special[0].kind == "fold" and unstable
@@ -74,8 +74,8 @@ def test_a_machine_made_of_parts_has_the_edge_of_the_flow():
     machine = Hardening(ss.Coulomb(50.0, 50.0))
     assert np.isfinite(ss.solve(machine, periods=2).v).all()
     high, low = {"x": {"block": 0.8, "rider": 0.8}, "v": {"block": 1.7, "rider": 1.7}}, None
-    edge = ss.edge_state(machine, high, low, settle=100)
-    flow = ss.edge_state(HARDENING, {"x": 0.8, "v": 1.7}, {"x": 0.0}, settle=100)
+    edge = ss.dynamics.edge_state(machine, high, low, settle=100)
+    flow = ss.dynamics.edge_state(HARDENING, {"x": 0.8, "v": 1.7}, {"x": 0.0}, settle=100)
     block = [edge.names.index(name) for name in ("x.block", "v.block")]
     np.testing.assert_allclose(edge.state[block], flow.state[:2], atol=3e-5)
     assert edge.multipliers[0] == pytest.approx(flow.multipliers[0], rel=1e-4)
@@ -85,7 +85,7 @@ def test_a_machine_made_of_parts_has_the_edge_of_the_flow():
 def test_the_edge_of_the_rig_is_on_the_unstable_branch_between_its_folds():
     """LuGre, f0 = .5: slow and fast motions at A = 0.8 mm, and the unstable branch beside the fold where the fast one begins."""
     robot = ss.presets.piezo_rig(amplitude=8e-4, **WEAKENED)
-    edge = ss.edge_state(robot, {"v": 1.5e-4, "z": -4.6e-8}, {"v": 0.1, "z": 1e-6}, settle=80)
+    edge = ss.dynamics.edge_state(robot, {"v": 1.5e-4, "z": -4.6e-8}, {"v": 0.1, "z": 1e-6}, settle=80)
     start = ss.periodic_orbit(ss.presets.piezo_rig(amplitude=8.0047e-4, **WEAKENED), guess=[-7.189e-3, -3.7045e-7])
     branch = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=8.0047e-4, stop=7.99e-4, guess=start, **WEAKENED)
     there = branch.at(8e-4)
@@ -98,7 +98,7 @@ def test_the_edge_of_the_rig_is_on_the_unstable_branch_between_its_folds():
 def test_a_chaotic_edge_is_not_called_periodic_and_its_track_stays_on_the_border():
     """y doubles or settles at about -0.7 or 0.7 while x moves chaotically: the border is invariant and attracts nothing periodic."""
     driven = lambda y: (3.9 * y[0] * (1 - y[0]), 1.5 * y[1] - y[1] ** 3 + 0.1 * (y[0] - 0.5))  # noqa: E731
-    edge = ss.edge_state(ss.SwitchingFlow.of_map(driven, states=("x", "y")), [0.3, -0.7], [0.3, 0.7], periods=20)
+    edge = ss.dynamics.edge_state(ss.SwitchingFlow.of_map(driven, states=("x", "y")), [0.3, -0.7], [0.3, 0.7], periods=20)
     assert edge.kind == "not periodic" and edge.orbit is None and edge.period == 0 and not edge.multipliers.size
     assert "does not repeat within 32 periods" in edge.notes[0] and len(edge.track) == 21
     for x, y, _ in edge.track[::2]:
@@ -111,7 +111,7 @@ def test_a_chaotic_edge_is_not_called_periodic_and_its_track_stays_on_the_border
 
 def test_a_border_where_the_map_jumps_is_said_to_be_no_motion():
     jumping = ss.SwitchingFlow.of_map(lambda y: (0.5 * y[0] + (1.0 if y[0] > 0.1 else -1.0),), states=("x",))
-    edge = ss.edge_state(jumping, [-1.0], [1.0])
+    edge = ss.dynamics.edge_state(jumping, [-1.0], [1.0])
     assert edge.kind == "jump" and edge.state[0] == pytest.approx(0.1, abs=1e-9) and "jumps at the border" in edge.notes[0]
 
 
@@ -120,7 +120,7 @@ def test_a_third_basin_between_two_starts_is_said():
     from stickslip.maths import sin
 
     wells = ss.SwitchingFlow({0: lambda t, y: (-sin(y[0]),)}, {}, 1.0, states=("x",))
-    edge = ss.edge_state(wells, {"x": 0.1}, {"x": 12.5})
+    edge = ss.dynamics.edge_state(wells, {"x": 0.1}, {"x": 12.5})
     assert edge.state[0] % (2 * np.pi) == pytest.approx(np.pi, abs=1e-9)
     assert edge.multipliers == pytest.approx([np.e], rel=1e-9)
     assert "another motion" in edge.sides[1] and "the basin of another motion" in edge.notes[0]
@@ -129,7 +129,7 @@ def test_a_third_basin_between_two_starts_is_said():
 def test_the_edge_of_what_nothing_drives_needs_no_more_than_a_time_between_two_looks():
     """A saddle with its two exponents, and an unstable cycle of known radius between rest and a cycle."""
     wells = ss.SwitchingFlow({0: lambda t, y: (y[1], y[0] - y[0] ** 3 - 0.5 * y[1])}, {}, 1.0, {}, ("x", "v"))
-    saddle = ss.edge_state(wells, {"x": -0.9, "v": 0.2}, {"x": 1.2})
+    saddle = ss.dynamics.edge_state(wells, {"x": -0.9, "v": 0.2}, {"x": 1.2})
     assert saddle.kind == "saddle" and saddle.state[:2] == pytest.approx([0.0, 0.0], abs=1e-10)
     assert np.log(saddle.multipliers) == pytest.approx(-0.25 + np.sqrt(0.0625 + 1.0) * np.array([1.0, -1.0]), abs=1e-8)
 
@@ -138,15 +138,17 @@ def test_the_edge_of_what_nothing_drives_needs_no_more_than_a_time_between_two_l
         growth = -0.5 + r2 - 0.25 * r2**2
         return growth * y[0] - 2.0 * y[1], growth * y[1] + 2.0 * y[0]
 
-    cycle = ss.edge_state(ss.SwitchingFlow({0: round_about}, {}, 1.0, {}, ("x", "y")), {"x": 0.1}, {"x": 1.8}, periods=3, settle=60)
+    cycle = ss.dynamics.edge_state(
+        ss.SwitchingFlow({0: round_about}, {}, 1.0, {}, ("x", "y")), {"x": 0.1}, {"x": 1.8}, periods=3, settle=60
+    )
     assert cycle.kind == "not periodic" and np.hypot(*cycle.state[:2]) == pytest.approx(np.sqrt(2.0 - np.sqrt(2.0)), abs=1e-9)
-    loop = ss.flow_orbit(ss.SwitchingFlow({0: round_about}, {}, None, {}, ("x", "y")), cycle.state[:2], 0, duration=np.pi)
+    loop = ss.dynamics.flow_orbit(ss.SwitchingFlow({0: round_about}, {}, None, {}, ("x", "y")), cycle.state[:2], 0, duration=np.pi)
     assert max(abs(loop.multipliers)) > 1.0 and np.hypot(*loop.state[:2]) == pytest.approx(np.sqrt(2.0 - np.sqrt(2.0)), abs=1e-9)
 
 
 def test_edges_on_basins_and_their_tracks_are_drawn():
     found = ss.basins(HARDENING, x=np.linspace(-2, 2, 5), v=np.linspace(-2, 2, 5), settle=100)
-    edge = ss.edge_state(HARDENING, *found.attractors, settle=100)
+    edge = ss.dynamics.edge_state(HARDENING, *found.attractors, settle=100)
     ax = found.plot(edges=edge)
     assert ax.lines[-1].get_marker() == "x" and ax.lines[-1].get_xdata()[0] == edge.state[0]
     assert not any("nan" in text.get_text() for text in ax.get_legend().get_texts())
@@ -157,12 +159,12 @@ def test_edges_on_basins_and_their_tracks_are_drawn():
 
 def test_what_to_type_for_an_edge():
     with pytest.raises(ss.InputError, match=r"both starts lead to one motion, period 1; .*type ss\.basins"):
-        ss.edge_state(CUBIC, {"x": 0.5}, {"x": 1.0})
+        ss.dynamics.edge_state(CUBIC, {"x": 0.5}, {"x": 1.0})
     with pytest.raises(ss.InputError) as wrong:
-        ss.edge_state(CUBIC, {"x": -1.0}, {"x": 1.0}, periods=0, settle=-1, rtol=2.0)
+        ss.dynamics.edge_state(CUBIC, {"x": -1.0}, {"x": 1.0}, periods=0, settle=-1, rtol=2.0)
     assert len(wrong.value.problems) == 3
     with pytest.raises(ss.SolveError, match="the run from the second start runs away"):
-        ss.edge_state(CUBIC, {"x": -1.0}, {"x": 5.0})
+        ss.dynamics.edge_state(CUBIC, {"x": -1.0}, {"x": 5.0})
 
 
 def test_attractors_of_a_map_begin_and_end_at_its_folds_and_share_the_starts_at_the_middle_root():

@@ -44,7 +44,7 @@ def agrees(curve, expected, wanted):
 def test_the_grazing_of_a_wall_is_where_the_free_swing_reaches_it():
     branch = ss.continuation(wall(), parameter="gap", start=0.35, stop=0.325)
     grazing = first(branch, "grazing")
-    curve = ss.special_curve(branch, grazing, "omega", stop=2.3, step=0.2)
+    curve = ss.dynamics.special_curve(branch, grazing, "omega", stop=2.3, step=0.2)
     agrees(curve, swing, 1e-9)
     assert curve.values[0, 1] == 2.0 and abs(curve.values[0, 0] - grazing.value) <= grazing.accuracy + curve.accuracy[0, 0]
     assert all(len(orbit.events) == 0 for orbit in curve.orbits), "its motions are those that just miss the wall"
@@ -58,12 +58,12 @@ def test_the_sliding_border_of_a_spring_oscillator_is_den_hartogs(way):
         make, other = DEN_HARTOG, "r"
     border = float(stopping(0.7))
     branch = ss.continuation(make, parameter="F", start=border - 0.01, stop=border + 0.01, guess={"x": 0.9, "v": 0.8}, step=0.2)
-    agrees(ss.special_curve(branch, first(branch, "type-border", "grazing"), other, stop=0.72, step=0.3), stopping, 1e-8)
+    agrees(ss.dynamics.special_curve(branch, first(branch, "type-border", "grazing"), other, stop=0.72, step=0.3), stopping, 1e-8)
 
 
 def test_a_robot_begins_to_move_where_the_force_of_its_drive_reaches_the_friction():
     branch = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=2.5e-4, stop=2.8e-4, step=0.2, **RIG)
-    curve = ss.special_curve(branch, first(branch, "grazing"), "mu0", stop=0.2, step=0.2)
+    curve = ss.dynamics.special_curve(branch, first(branch, "grazing"), "mu0", stop=0.2, step=0.2)
     robots = [ss.presets.piezo_rig(amplitude=a, mu0=m, **RIG) for a, m in curve.values]
     limits = [r.friction.mu_plus * (r.body_mass + r.inner_mass) * r.gravity for r in robots]
     np.testing.assert_allclose(limits, [r.inner_mass * r.drive.amplitude * r.drive.omega**2 for r in robots], rtol=1e-11)
@@ -79,7 +79,7 @@ def on_a_branch(value, other, **changed):
 @pytest.mark.parametrize(("parameter", "stop"), [("tilt_deg", 1.75), ("mu0", 0.182)])
 def test_a_grazing_under_lugre_is_that_of_a_branch_at_another_value(parameter, stop):
     branch = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=4.16e-4, stop=4.22e-4, tilt_deg=1.7, step=0.5)
-    curve = ss.special_curve(branch, first(branch, "grazing"), parameter, stop=stop, step=0.5)
+    curve = ss.dynamics.special_curve(branch, first(branch, "grazing"), parameter, stop=stop, step=0.5)
     value, other = map(float, curve.values[-1])
     there = on_a_branch(value, {parameter: other})
     assert abs(there.value - value) <= there.accuracy + curve.accuracy[-1, 0] and curve.accuracy[:, 0].max() < 1e-10 and other >= stop
@@ -93,7 +93,7 @@ def test_a_grazing_under_lugre_is_that_of_a_branch_at_another_value(parameter, s
 def test_a_grazing_under_dahls_law_is_that_of_a_branch_at_another_frequency():
     bench = lambda F, omega=0.3: ss.ForcedOscillator(1.0, 1.0, 0.05, 1.0, omega, ss.Dahl(F, F, sigma0=30.0))  # noqa: E731
     branch = ss.continuation(bench, parameter="F", start=0.077, stop=0.081, step=0.5)
-    curve = ss.special_curve(branch, first(branch, "grazing"), "omega", stop=0.302, step=0.5)
+    curve = ss.dynamics.special_curve(branch, first(branch, "grazing"), "omega", stop=0.302, step=0.5)
     F, omega = map(float, curve.values[-1])
     there = first(ss.continuation(bench, parameter="F", start=F - 5e-4, stop=F + 5e-4, step=0.5, omega=omega), "grazing")
     assert abs(there.value - F) <= there.accuracy + curve.accuracy[-1, 0] and curve.accuracy[:, 0].max() < 1e-8
@@ -105,7 +105,7 @@ def test_a_capsule_grazes_its_stop_where_the_inner_mass_swings_so_far():
     begin = float(swing(0.6, 0.1)) + 0.05
     guess = ss.periodic_orbit(capsule(begin)).state
     branch = ss.continuation(capsule, parameter="gap", start=begin, stop=begin - 0.1, guess=guess)
-    agrees(ss.special_curve(branch, first(branch, "grazing"), "omega", stop=0.65), lambda omega: swing(omega, 0.1), 1e-9)
+    agrees(ss.dynamics.special_curve(branch, first(branch, "grazing"), "omega", stop=0.65), lambda omega: swing(omega, 0.1), 1e-9)
 
 
 @pytest.mark.slow
@@ -113,7 +113,7 @@ def test_the_rest_of_a_limit_cycle_vanishes_where_a_branch_beside_it_says():
     law = ss.Stribeck(1.0, 1.0, f_plus=1.5, f_minus=1.5, v_s=0.5)
     belt = lambda speed, damping=0.1: ss.BlockOnBelt(mass=1.0, stiffness=1.0, speed=speed, damping=damping, friction=law)  # noqa: E731
     branch = ss.continuation(belt, parameter="speed", start=0.3, stop=2.0)
-    curve = ss.special_curve(branch, first(branch, "type-border"), "damping", stop=0.12, step=0.1)
+    curve = ss.dynamics.special_curve(branch, first(branch, "type-border"), "damping", stop=0.12, step=0.1)
     speed, damping = map(float, curve.values[-1])
     there = first(ss.continuation(belt, parameter="speed", start=0.3, stop=2.0, damping=damping), "type-border")
     assert abs(there.value - speed) <= there.accuracy + curve.accuracy[-1, 0] and curve.accuracy[:, 0].max() < 1e-7
@@ -122,7 +122,7 @@ def test_the_rest_of_a_limit_cycle_vanishes_where_a_branch_beside_it_says():
 def test_what_has_no_sharp_border_is_refused_with_what_has():
     branch = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=5.6e-4, stop=5.7e-4, tilt_deg=1.7, step=0.5)
     with pytest.raises(ss.InputError, match=r"type-border under LuGre, where types depend on thresholds; allowed are fold, flip.*grazing"):
-        ss.special_curve(branch, first(branch, "type-border"), "mu0", stop=0.19)
+        ss.dynamics.special_curve(branch, first(branch, "type-border"), "mu0", stop=0.19)
 
 
 # events of one's own ------------------------------------------------------------------------------------------------
@@ -154,7 +154,7 @@ def test_an_event_is_followed_in_two_parameters_of_a_machine():
 
     event = first(branch, "peak")
     assert abs(event.value - friction(0.7)) <= event.accuracy + 1e-13 and event.accuracy < 1e-11
-    curve = ss.special_curve(branch, event, "omega", stop=0.72, step=0.2)
+    curve = ss.dynamics.special_curve(branch, event, "omega", stop=0.72, step=0.2)
     agrees(curve, friction, 1e-10)
     assert curve.kind == "peak" and "peak in (F, omega)" in repr(curve)
 
@@ -164,7 +164,7 @@ def test_a_curve_of_an_event_names_the_fold_that_it_meets():
     henon = ss.SwitchingFlow.of_map(lambda y, n: (1 - n.a * y[0] ** 2 + y[1], n.b * y[0]), {"a": 0.1, "b": 0.3}, ("x", "y"))
     events = {"x": lambda orbit: orbit.state[0] - 1.6}
     branch = ss.continuation(henon, parameter="a", start=0.1, stop=-0.1, guess={"x": 1.2, "y": 0.4}, events=events)
-    curve = ss.special_curve(branch, first(branch, "x"), "b", stop=-0.5, step=0.1)
+    curve = ss.dynamics.special_curve(branch, first(branch, "x"), "b", stop=-0.5, step=0.1)
     agrees(curve, lambda b: (1 - (1 - b) * 1.6) / 1.6**2, 1e-10)
     (met,) = curve.special
     assert met.kind == "x-fold" and np.all(abs(np.array(met.values) - [-0.390625, -0.25]) <= met.accuracy) and max(met.accuracy) < 1e-8

@@ -112,7 +112,7 @@ def test_borders_over_amplitude_are_those_of_the_truth():
     grid = ss.map(RIG, amplitude=np.linspace(2e-4, 8e-4, 25), tilt_deg=np.linspace(1.0, 2.4, 15), law="lugre")
     told = {("rest", "II"): 0.26545, ("II", "I"): 0.37027, ("I", "III"): 0.55297, ("III", "IV"): 0.64711}
     found = {}
-    for curve in ss.coulomb_borders(grid):
+    for curve in ss.dynamics.coulomb_borders(grid):
         if curve.y.min() < 1.7 < curve.y.max():
             order = np.argsort(curve.y)
             found[curve.types] = 1e3 * np.interp(1.7, curve.y[order], curve.x[order])
@@ -124,9 +124,9 @@ def test_borders_over_amplitude_are_those_of_the_truth():
 def test_no_borders_without_a_coulomb_twin():
     grid = ss.map(RIG, amplitude=[1e-4, 2e-4], tilt_deg=[1.0, 2.0]).drop_vars(["alpha_plus", "alpha_minus"])
     with pytest.raises(ss.InputError, match="no alpha_plus and alpha_minus"):
-        ss.coulomb_borders(grid)
+        ss.dynamics.coulomb_borders(grid)
     with pytest.raises(ss.InputError, match="allowed are two of numbers"):
-        ss.coulomb_borders(ss.sweep(RIG, amplitude=[1e-4, 2e-4], tilt_deg=1.0))
+        ss.dynamics.coulomb_borders(ss.sweep(RIG, amplitude=[1e-4, 2e-4], tilt_deg=1.0))
 
 
 # refining ------------------------------------------------------------------------------------------------------------
@@ -271,7 +271,7 @@ def test_names_of_regions_stand_inside_the_frame_of_a_coarse_map():
 def test_borders_in_the_velocity_map_are_named_and_lie_near_the_exact_ones(plane):
     ax = ss.plot.velocity_map(plane)
     assert [t.get_text() for t in ax.get_legend().get_texts()] == ["border of motion types"]
-    exact = np.concatenate([np.column_stack([1e6 * b.x / 17.9, b.y / 6.15]) for b in ss.coulomb_borders(plane)])  # in cells
+    exact = np.concatenate([np.column_stack([1e6 * b.x / 17.9, b.y / 6.15]) for b in ss.dynamics.coulomb_borders(plane)])  # in cells
     for line in ax.lines:
         if line.get_marker() != "*":
             drawn = np.column_stack(line.get_data()) / (17.9, 6.15)

@@ -47,7 +47,7 @@ def test_what_is_not_quite_symmetric_has_no_images(model):
         (ss.Coulomb(0.15, 0.15), 1.7, ""),
         (ss.Coulomb(0.15, 0.16), 0.0, ""),
         (ss.LuGre(0.15, 0.15, 0.2, 0.2, sigma0=4e5, sigma1=100.0, sigma2=0.04, v_s=2e-3), 0.0, "its own mirror image"),
-        (ss.GMS(0.15, 0.15, 0.18, 0.18, sigma0=4e5, v_s=2e-3, attraction=100.0), 0.0, ""),
+        (ss.friction.GMS(0.15, 0.15, 0.18, 0.18, sigma0=4e5, v_s=2e-3, attraction=100.0), 0.0, ""),
     ],
     ids=["symmetric", "tilted", "rougher one way", "bristles", "memory"],
 )

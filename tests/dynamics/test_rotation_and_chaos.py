@@ -31,32 +31,32 @@ def henon(a):
 @each_row("r", [2.8, 3.2, 3.5, 3.55, 3.83])
 def test_periods_of_the_logistic_map_are_regular(r):
     """Rest, periods 2, 4 and 8, and the window of period 3."""
-    assert ss.zero_one_test(logistic(r)).kind == "regular"
+    assert ss.dynamics.zero_one_test(logistic(r)).kind == "regular"
 
 
 @pytest.mark.parametrize("series", [logistic(3.9), logistic(3.97), henon(1.4), henon(1.2)], ids=["3.9", "3.97", "Henon 1.4", "Henon 1.2"])
 def test_chaos_is_told_where_the_exponent_is_positive(series):
-    found = ss.zero_one_test(series)
+    found = ss.dynamics.zero_one_test(series)
     assert found.kind == "chaotic" and found.K > 0.99 and found.quartiles[0] > 0.98
 
 
 @pytest.mark.parametrize("a", [1.0, 1.25])
 def test_periods_of_henon_are_regular(a):
     """Period 4, and the window of period 7."""
-    assert ss.zero_one_test(henon(a)).kind == "regular"
+    assert ss.dynamics.zero_one_test(henon(a)).kind == "regular"
 
 
 def test_two_frequencies_are_regular_whatever_the_mean():
     n = np.arange(1000)
     series = 5 + np.cos(2 * np.pi * n * math.sqrt(2)) + 0.3 * np.cos(2 * np.pi * n * math.sqrt(3))
-    assert abs(ss.zero_one_test(series).K) < 0.1
+    assert abs(ss.dynamics.zero_one_test(series).K) < 0.1
 
 
 def test_chaos_of_the_rig_is_seen_without_its_equations():
     """A = 0.4 mm, mu0 = .05: exponent .453 a period; at 0.6 mm the motion has period one."""
     for amplitude, kind in ((4e-4, "chaotic"), (6e-4, "regular")):
         run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=amplitude, mu0=0.05), periods=600, settle=100)
-        assert ss.zero_one_test(run.strobe_v[-500:]).kind == kind
+        assert ss.dynamics.zero_one_test(run.strobe_v[-500:]).kind == kind
 
 
 def moebius(angle):
@@ -74,14 +74,14 @@ def test_a_circle_map_has_its_closed_rotation_number(angle):
         v = A @ np.array([math.cos(math.pi * lift[-1]), math.sin(math.pi * lift[-1])])
         y = math.atan2(v[1], v[0]) / math.pi
         lift.append(y + math.ceil(lift[-1] - y))
-    found = ss.rotation_number(lift)
+    found = ss.dynamics.rotation_number(lift)
     assert abs(found.value - rho) <= found.error < 1e-7
 
 
 def test_points_on_an_ellipse_turn_as_their_angle_does():
     golden = (math.sqrt(5) - 1) / 2
     t = 2 * np.pi * golden * np.arange(1000)
-    found = ss.rotation_number(np.column_stack([3 + 2 * np.cos(t), -1e-3 * np.cos(t) + 4e-3 * np.sin(t)]))
+    found = ss.dynamics.rotation_number(np.column_stack([3 + 2 * np.cos(t), -1e-3 * np.cos(t) + 4e-3 * np.sin(t)]))
     assert abs(found.value - golden) <= found.error < 1e-9
 
 
@@ -98,26 +98,26 @@ def test_a_limit_cycle_on_a_strobe_of_its_own_is_a_torus_with_the_ratio_of_the_t
 def test_a_map_beyond_its_neimark_sacker_point_is_a_torus():
     delayed = ss.SwitchingFlow.of_map(lambda y: (2.1 * y[0] * (1 - y[1]), y[0]), states=("x", "y"))
     told = ss.verdict(delayed, periods=2000, settle=500, start={"x": 0.5, "y": 0.6})
-    alone = ss.rotation_number(iterates(lambda p: (2.1 * p[0] * (1 - p[1]), p[0]), (0.5, 0.6), 5000))
+    alone = ss.dynamics.rotation_number(iterates(lambda p: (2.1 * p[0] * (1 - p[1]), p[0]), (0.5, 0.6), 5000))
     assert told.kind == "quasi-periodic" and told.rotation.value == pytest.approx(alone.value, abs=1e-11)
 
 
 def test_what_has_no_closed_curve_has_no_rotation_number():
     with pytest.raises(ss.InputError, match="not on one closed curve"):
-        ss.rotation_number(iterates(lambda p: (1 - 1.4 * p[0] ** 2 + p[1], 0.3 * p[0]), (0.1, 0.1), 1000))
+        ss.dynamics.rotation_number(iterates(lambda p: (1 - 1.4 * p[0] ** 2 + p[1], 0.3 * p[0]), (0.1, 0.1), 1000))
     three = np.arange(2000)[:, None] * np.array([math.sqrt(2), math.sqrt(3)]) * 2 * np.pi
     with pytest.raises(ss.InputError, match="not on one closed curve"):
-        ss.rotation_number(
+        ss.dynamics.rotation_number(
             np.column_stack([np.cos(three[:, 0]) * (2 + np.cos(three[:, 1])), np.sin(three[:, 0]) * (2 + np.cos(three[:, 1]))])
         )
     with pytest.raises(ss.InputError, match="not on one closed curve"):
-        ss.rotation_number(np.tile([[0.0, 1.0], [1.0, 0.0]], (100, 1)))
+        ss.dynamics.rotation_number(np.tile([[0.0, 1.0], [1.0, 0.0]], (100, 1)))
 
 
 def test_what_to_type():
     with pytest.raises(ss.InputError, match="200 or more finite numbers in a row") as wrong:
-        ss.zero_one_test([1.0, 2.0], frequencies=3)
+        ss.dynamics.zero_one_test([1.0, 2.0], frequencies=3)
     assert len(wrong.value.problems) == 2
     with pytest.raises(ss.InputError, match="100 or more finite angles"):
-        ss.rotation_number(np.zeros((200, 3)))
-    assert ss.zero_one_test(np.full(300, 0.7)).kind == "regular"
+        ss.dynamics.rotation_number(np.zeros((200, 3)))
+    assert ss.dynamics.zero_one_test(np.full(300, 0.7)).kind == "regular"

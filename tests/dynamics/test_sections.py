@@ -102,7 +102,7 @@ def test_what_stands_still_is_a_rest_at_the_force_of_the_sliding_belt():
 
 
 def test_the_edge_between_them_is_the_unstable_cycle_of_scipy():
-    edge = ss.edge_state(BELT, dict(x=1.0), dict(x=0.2))
+    edge = ss.dynamics.edge_state(BELT, dict(x=1.0), dict(x=0.2))
     x = brentq(lambda x: _swing(BELT.speed, x)[0] - x, 0.5, 0.9, xtol=1e-12)
     after, T, _ = _swing(BELT.speed, x + 1e-5)
     before = _swing(BELT.speed, x - 1e-5)[0]
@@ -172,8 +172,8 @@ def test_a_pulled_mass_makes_its_way_with_the_pull():
 
 def test_mean_velocities_of_cycles_are_those_of_the_pull():
     pulled = ss.PulledMass(mass=1.0, stiffness=2.0, speed=[0.1, 0.2], friction=COULOMB.friction)
-    assert ss.periodic_mean_velocity(pulled) == pytest.approx([0.1, 0.2], abs=1e-12)
-    assert ss.periodic_mean_velocity(COULOMB) == pytest.approx(0.0, abs=1e-12)
+    assert ss.analysis.periodic_mean_velocity(pulled) == pytest.approx([0.1, 0.2], abs=1e-12)
+    assert ss.analysis.periodic_mean_velocity(COULOMB) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_verdict_and_an_atlas_tell_stick_slip_from_steady_sliding():

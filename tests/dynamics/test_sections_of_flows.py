@@ -84,10 +84,10 @@ def test_basins_and_verdict_are_of_the_cycle_and_an_unstable_rest_is_no_attracto
 
 def test_diagrams_maps_attractors_and_branches_have_the_cycles_of_each_value():
     r = [0.5, 0.6]
-    times = [ss.flow_orbit(POL.replace(r=each), ss.periodic_orbit(POL).state, 0, duration=4.5).duration for each in r]
+    times = [ss.dynamics.flow_orbit(POL.replace(r=each), ss.periodic_orbit(POL).state, 0, duration=4.5).duration for each in r]
     diagram = ss.bifurcation(POL, parameter="r", values=r, settle=40, points=4)
     np.testing.assert_allclose(diagram.duration.values, [times] * 2, rtol=1e-9)
-    assert ss.chaos_map(POL, r=r, settle=40, periods=20).period.values.tolist() == [1, 1]
+    assert ss.dynamics.chaos_map(POL, r=r, settle=40, periods=20).period.values.tolist() == [1, 1]
     along = ss.attractors(POL, parameter="r", values=r, starts={"x": [0.5]}, settle=40)
     assert along.motion.values.tolist() == [["periodic", "periodic"]]
     branch = ss.continuation(POL, parameter="r", start=0.5, stop=0.6)
@@ -202,7 +202,7 @@ def test_between_two_cycles_is_an_unstable_one_of_which_a_run_keeps_away():
     """With little effort a small cycle that slides and a large one that does not attract; SciPy's runs beside the edge part there."""
     flow = HUNT.replace(effort=0.1)
     small, large = {"prey": 0.5118, "predator": 1.544, "mode": "hunted"}, {"prey": 1.5, "predator": 0.5}
-    edge = ss.edge_state(flow, small, large)
+    edge = ss.dynamics.edge_state(flow, small, large)
     assert edge.kind == "repeller" and edge.multipliers[0] > 1.0 and edge.orbit.residual < 1e-9
     beside = [ss.solve(flow, start=edge.state[:2] * side, mode="hunted", duration=400.0) for side in ([1.0, 1.01], [1.0, 0.99])]
     assert sorted({event.after for event in run.events[-6:]} == {"free", "hunted"} for run in beside) == [False, True]

@@ -143,7 +143,7 @@ def test_bifurcation_and_chaos_map_say_what_a_motion_is():
     assert diagram.motion.values.tolist() == [["periodic", "chaotic"]] and diagram.exponent[0, 1] > 3 * diagram.error[0, 1]
     along = ss.attractors(HENON, parameter="a", values=[1.4, 1.41], starts={"x": [0.0, 0.1]}, settle=50)
     assert along.motion.values.tolist() == [["chaotic", "chaotic"]] and (along.unsettled == 0).all()
-    robot = ss.chaos_map(ss.presets.piezo_rig, mu0=[0.04, 0.05], amplitude=4e-4, tilt_deg=1.7, settle=100, periods=60)
+    robot = ss.dynamics.chaos_map(ss.presets.piezo_rig, mu0=[0.04, 0.05], amplitude=4e-4, tilt_deg=1.7, settle=100, periods=60)
     assert robot.motion.values.tolist() == ["periodic", "chaotic"]
 
 

@@ -16,7 +16,7 @@ G = 9.81
 
 def by_hand(robot):
     """A robot whose equations are written as a flow with one contact."""
-    foot = ss.FlowContact(slip=lambda t, y: y[1], friction=robot.friction, load=robot.load)
+    foot = ss.machines.FlowContact(slip=lambda t, y: y[1], friction=robot.friction, load=robot.load)
     field = lambda t, y, R: (y[1], robot.acceleration(t, y[0], y[1], R.foot))  # noqa: E731
     return ss.SwitchingFlow(field, period=float(robot.period), states=("x", "v"), contacts={"foot": foot})
 
@@ -24,7 +24,7 @@ def by_hand(robot):
 @pytest.fixture(scope="module")
 def belt():
     law = ss.Stribeck(0.2, 0.2, 0.3, 0.3, v_s=0.1, exponent=1.0)
-    contact = ss.FlowContact(slip=lambda t, y, n: y[1] - n.speed, friction=law, load=9.81)
+    contact = ss.machines.FlowContact(slip=lambda t, y, n: y[1] - n.speed, friction=law, load=9.81)
     field = lambda t, y, R, n: (y[1], -4.0 * y[0] - R.belt)  # noqa: E731
     return ss.SwitchingFlow(field, numbers={"speed": 0.1}, states=("x", "v"), contacts={"belt": contact})
 
@@ -32,8 +32,8 @@ def belt():
 @pytest.fixture(scope="module")
 def stack():
     """A block that is pushed, on a block on the ground."""
-    top = ss.FlowContact(slip=lambda t, y: y[2] - y[3], friction=ss.Coulomb(2.0, 2.0), load=1.0)
-    ground = ss.FlowContact(slip=lambda t, y: y[3], friction=ss.Coulomb(0.8, 0.8, f_plus=1.0, f_minus=1.0), load=1.0)
+    top = ss.machines.FlowContact(slip=lambda t, y: y[2] - y[3], friction=ss.Coulomb(2.0, 2.0), load=1.0)
+    ground = ss.machines.FlowContact(slip=lambda t, y: y[3], friction=ss.Coulomb(0.8, 0.8, f_plus=1.0, f_minus=1.0), load=1.0)
     field = lambda t, y, R: (y[2], y[3], 5 * cos(4 * t) - R.top, (R.top - R.ground - 3 * y[1]) / 2.0)  # noqa: E731
     return ss.SwitchingFlow(field, period=np.pi / 2, states=("x1", "x2", "v1", "v2"), contacts={"top": top, "ground": ground})
 
@@ -50,7 +50,7 @@ def cart():
         return (y[2], y[3], a, -(F * c + m * length * y[3] * y[3] * c * s + (M + m) * G * s) / (length * inertia))
 
     load = lambda t, y: (M + m) * G + m * length * y[3] * y[3] * cos(y[1])  # noqa: E731
-    rail = ss.FlowContact(slip=lambda t, y: y[2], friction=ss.Coulomb(0.15, 0.15, f_plus=0.2, f_minus=0.2), load=load)
+    rail = ss.machines.FlowContact(slip=lambda t, y: y[2], friction=ss.Coulomb(0.15, 0.15, f_plus=0.2, f_minus=0.2), load=load)
     return ss.SwitchingFlow(field, period=0.4 * np.pi, states=("x", "angle", "v", "w"), contacts={"rail": rail})
 
 
@@ -98,7 +98,7 @@ def test_a_block_on_a_belt_is_the_machine_and_what_scipy_says(belt):
 def test_contacts_go_as_the_judge_says(stack, cart):
     """Events of the judge are exact to 1e-12 of their instants at its tolerance of 1e-12; pushed together they grow ten times."""
     for flow, y, duration in ((stack, [0.0] * 4, 5.0), (cart, [0.0, 0.3, 0.0, 0.0], 3.0)):
-        run, plain = (ss.passage(flow, y, 0, duration, method=method) for method in ("exact", "dop853"))
+        run, plain = (ss.dynamics.passage(flow, y, 0, duration, method=method) for method in ("exact", "dop853"))
         assert [event[1:] for event in run.events] == [event[1:] for event in plain.events]
         same = max(abs(a[0] - b[0]) for a, b in zip(run.events, plain.events, strict=True))
         assert same < 1e-11 and abs(run.state - plain.state).max() < 1e-11
@@ -138,7 +138,7 @@ def test_starts_of_maps_leave_the_mode_to_the_state(belt):
 def test_contacts_follow_switches_of_the_user():
     """A block that slides to a wall, is thrown back with half its velocity, and comes to rest."""
     wall = ss.Switch(lambda t, y: 1.0 - y[0], 0, lambda t, y: (1.0, -0.5 * y[1]))
-    ground = ss.FlowContact(slip=lambda t, y: y[1], friction=ss.Coulomb(0.1, 0.1), load=G)
+    ground = ss.machines.FlowContact(slip=lambda t, y: y[1], friction=ss.Coulomb(0.1, 0.1), load=G)
     block = ss.SwitchingFlow(lambda t, y, R: (y[1], -R.ground), {0: (wall,)}, states=("x", "v"), contacts={"ground": ground})
     v, mu = 2.0, 0.1 * G
     hit = (v - np.sqrt(v * v - 2 * mu)) / mu
@@ -147,11 +147,13 @@ def test_contacts_follow_switches_of_the_user():
     assert [event[1:] for event in run.events] == [("ground+", "ground-"), ("ground-", "ground0")]
     assert [event.t for event in run.events] == pytest.approx([hit, hit + back / mu], rel=1e-13)
     assert run.state == pytest.approx([1.0 - back**2 / (2 * mu), 0.0], rel=1e-13)
-    assert ss.passage(block, [0.0, v], 0, 5.0, method="dop853").state == pytest.approx(run.state, rel=1e-10)
+    assert ss.dynamics.passage(block, [0.0, v], 0, 5.0, method="dop853").state == pytest.approx(run.state, rel=1e-10)
 
 
 def test_a_law_may_follow_from_numbers():
-    ground = ss.FlowContact(slip=lambda t, y, n: y[0], friction=lambda n: ss.Coulomb(mu_plus=n.mu, mu_minus=n.mu), load=lambda t, y, n: n.N)
+    ground = ss.machines.FlowContact(
+        slip=lambda t, y, n: y[0], friction=lambda n: ss.Coulomb(mu_plus=n.mu, mu_minus=n.mu), load=lambda t, y, n: n.N
+    )
     block = ss.SwitchingFlow(
         lambda t, y, R, n: (-R.ground,), numbers={"mu": [0.1, 0.2], "N": G}, states=("v",), contacts={"ground": ground}
     )
@@ -160,9 +162,12 @@ def test_a_law_may_follow_from_numbers():
 
 
 def test_a_run_ends_where_a_load_falls_to_zero():
-    ground = ss.FlowContact(slip=lambda t, y: y[0], friction=ss.Coulomb(0.1, 0.1), load=lambda t, y: 1.0 - t)
+    ground = ss.machines.FlowContact(slip=lambda t, y: y[0], friction=ss.Coulomb(0.1, 0.1), load=lambda t, y: 1.0 - t)
     block = ss.SwitchingFlow(lambda t, y, R: (-R.ground,), states=("v",), contacts={"ground": ground})
-    for follow in (lambda: ss.solve(block, start={"v": 1.0}, duration=2.0), lambda: ss.passage(block, [1.0], 0, 2.0, method="dop853")):
+    for follow in (
+        lambda: ss.solve(block, start={"v": 1.0}, duration=2.0),
+        lambda: ss.dynamics.passage(block, [1.0], 0, 2.0, method="dop853"),
+    ):
         with pytest.raises(ss.SolveError, match="load"):
             follow()
 
@@ -173,13 +178,13 @@ _LAW = ss.Coulomb(0.1, 0.1)
 @each_row(
     "wrong, said",
     [
-        (lambda: ss.FlowContact(slip=1.0, friction=_LAW, load=1.0), "slip = 1.0; allowed is a function"),
-        (lambda: ss.FlowContact(slip=lambda t, y: y[0], friction=0.2, load=1.0), "friction = 0.2; allowed is a friction law"),
+        (lambda: ss.machines.FlowContact(slip=1.0, friction=_LAW, load=1.0), "slip = 1.0; allowed is a function"),
+        (lambda: ss.machines.FlowContact(slip=lambda t, y: y[0], friction=0.2, load=1.0), "friction = 0.2; allowed is a friction law"),
         (lambda: one_contact(lambda t, y, R: (-R.a,), contacts=[1]), "allowed is a dict of FlowContact"),
         (lambda: started(lambda t, y, R: (R.a,)), "does not brake"),
         (lambda: started(lambda t, y, R: (-R.a * R.a,)), "not linear in the friction force R.a"),
         (lambda: started(lambda t, y, R: (-where(R.a > 1.0, 1.0, R.a),)), "not linear in the friction force R.a"),
-        (lambda: started(lambda t, y, R: (-R.a,), ss.ResetIntegrator.example()), "allowed are laws"),
+        (lambda: started(lambda t, y, R: (-R.a,), ss.friction.ResetIntegrator.example()), "allowed are laws"),
         (lambda: started(lambda t, y, R: (-R.a - R.b,), second=True), "a, b: the slip of one follows"),
     ],
 )
@@ -189,7 +194,7 @@ def test_what_no_contact_can_do_is_said(wrong, said):
 
 
 def one_contact(field, law=_LAW, contacts=None, second=False):
-    contact = ss.FlowContact(slip=lambda t, y: y[0], friction=law, load=1.0)
+    contact = ss.machines.FlowContact(slip=lambda t, y: y[0], friction=law, load=1.0)
     return ss.SwitchingFlow(field, states=("v",), contacts=contacts or ({"a": contact} | ({"b": contact} if second else {})))
 
 

@@ -41,7 +41,7 @@ def test_random_flows_go_as_the_judge_says(count):
     rng, switches = np.random.default_rng(14), 0
     for _ in range(count):
         flow, start = two_modes(rng.uniform(0.3, 1.5, 8)), rng.uniform(-1, 1, 2)
-        ours, judge = (ss.passage(flow, start, "a", 8.0, method=method) for method in ("exact", "dop853"))
+        ours, judge = (ss.dynamics.passage(flow, start, "a", 8.0, method=method) for method in ("exact", "dop853"))
         assert [tuple(e[1:]) for e in ours.events] == [tuple(e[1:]) for e in judge.events]
         grown = max(1.0, float(abs(judge.monodromy).max()))
         np.testing.assert_allclose([e[0] for e in ours.events], [e[0] for e in judge.events], atol=1e-10 * grown)
@@ -54,9 +54,9 @@ def test_random_flows_go_as_the_judge_says(count):
 
 def test_numbers_in_a_flows_lines_cost_no_new_kernel(monkeypatch):
     """Data never become literals: flows that differ in their numbers alone share a kernel, if no two of these are equal in one of them."""
-    ss.passage(two_modes(np.linspace(0.37, 1.13, 8)), [0.3, 0.2], "a", 1.0)
+    ss.dynamics.passage(two_modes(np.linspace(0.37, 1.13, 8)), [0.3, 0.2], "a", 1.0)
     loaded = len(flows.lanes.cache._loaded)
-    ss.passage(two_modes(np.linspace(0.31, 1.27, 8)), [0.3, 0.2], "a", 1.0)
+    ss.dynamics.passage(two_modes(np.linspace(0.31, 1.27, 8)), [0.3, 0.2], "a", 1.0)
     assert len(flows.lanes.cache._loaded) == loaded
 
 
@@ -119,7 +119,7 @@ def test_impacts_double_their_period_where_a_multiplier_passes_minus_one():
     doubled = branch.doubled(stop=2.48)
     assert doubled.period == 2 and doubled.orbits[-1].stable and len(doubled.orbits[-1].events) == 2
     assert ss.plot.continuation(branch, observable="x").get_ylabel() and ss.plot.continuation(doubled, observable="v")
-    curve = ss.special_curve(branch, flip, "r", 0.7)
+    curve = ss.dynamics.special_curve(branch, flip, "r", 0.7)
     (omega, r), orbit = curve.values[-1], curve.orbits[-1]
     assert r <= 0.7 and np.min(abs(orbit.multipliers + 1.0)) < 1e-9, "the multipliers of saltation say the same as differences"
     assert np.min(abs(ss.periodic_orbit(impacts(omega).replace(r=r), guess=orbit).multipliers + 1.0)) < 1e-8
@@ -143,7 +143,7 @@ def test_exponents_are_those_of_the_multipliers():
     assert found.spectrum.sum() == pytest.approx(float(np.log(abs(orbit.multipliers)).sum()), abs=1e-8)
     told = ss.verdict(DEN_HARTOG, periods=60, settle=60, start={"x": 1.0, "v": 0.5})
     assert (told.kind, told.period) == ("periodic", 1)
-    neighbours = ss.largest_exponents(DEN_HARTOG, periods=60, settle=0, start=[*orbit.strobe_state])
+    neighbours = ss.dynamics.largest_exponents(DEN_HARTOG, periods=60, settle=0, start=[*orbit.strobe_state])
     assert abs(neighbours[0][0] - np.log(abs(orbit.multipliers[0]))) < 4 * neighbours[1][0]
     assert orbit.run["x"].max() == pytest.approx(X, abs=1e-4)  # columns have 400 instants in a period
 
@@ -182,14 +182,14 @@ def asked(field):
 )
 def test_plain_questions_are_the_choices_that_where_makes(plain, same):
     """`if`, `max`, `and` and `not` on numbers that are not known yet: a corner in the field is found at its place, not smeared."""
-    ends = [ss.passage(asked(field), [1.0], 0, 1.5) for field in (plain, same)]
+    ends = [ss.dynamics.passage(asked(field), [1.0], 0, 1.5) for field in (plain, same)]
     assert ends[0].method == ends[1].method == "exact" and ends[0].state[0] == ends[1].state[0]
-    assert ss.passage(asked(plain), [1.0], 0, 1.5, method="dop853").state[0] == pytest.approx(ends[0].state[0], abs=1e-9)
+    assert ss.dynamics.passage(asked(plain), [1.0], 0, 1.5, method="dop853").state[0] == pytest.approx(ends[0].state[0], abs=1e-9)
 
 
 def test_a_jump_of_the_field_within_a_mode_moves_disturbances():
     """y' = -1 above 1/2 and -1/2 below it: y(1) = 1/2 - (1 - (y0 - 1/2))/2, so its derivative by y0 is 1/2, and not 1."""
-    done = ss.passage(asked(lambda t, y: (where(y[0] > 0.5, -1.0, -0.5),)), [1.0], 0, 1.0)
+    done = ss.dynamics.passage(asked(lambda t, y: (where(y[0] > 0.5, -1.0, -0.5),)), [1.0], 0, 1.0)
     assert done.state[0] == pytest.approx(0.25, abs=1e-15) and done.monodromy[0, 0] == pytest.approx(0.5, abs=1e-13)
 
 
@@ -198,7 +198,7 @@ def test_a_condition_on_time_alone_changes_at_its_instant(begin):
     """y' = 1 before t = 1 and -1 after it, by `where` and by `if`."""
     expected = 2 * max(1.0 - begin, 0.0) - 2.5
     for field in (lambda t, y: (where(t < 1.0, 1.0, -1.0),), lambda t, y: (1.0 if t < 1.0 else -1.0,)):
-        done = ss.passage(asked(field), [0.0], 0, 2.5, begin=begin)
+        done = ss.dynamics.passage(asked(field), [0.0], 0, 2.5, begin=begin)
         assert (done.method, done.events) == ("exact", []) and done.state[0] == pytest.approx(expected, abs=1e-14)
 
 
@@ -211,7 +211,7 @@ def test_time_within_a_period_is_not_guessed():
 def test_a_mode_may_be_chosen_by_where():
     fields = {1: lambda t, y: (-1.0,), -1: lambda t, y: (0.5,), 3: lambda t, y: (2.0,)}
     flow = ss.SwitchingFlow(fields, {1: (ss.Switch(lambda t, y: y[0], lambda t, y: where(t > 0.5, 3, -1)),)})
-    late, early = (ss.passage(flow, [y], 1, 2.0) for y in (1.0, 0.25))
+    late, early = (ss.dynamics.passage(flow, [y], 1, 2.0) for y in (1.0, 0.25))
     assert (late.mode, early.mode, late.method) == (3, -1, "exact") and late.state[0] == pytest.approx(2.0, abs=1e-14)
 
 
@@ -220,7 +220,7 @@ def test_units_change_nothing(size, pace):
     """An impact oscillator in other units of length and time: states and instants to some roundings of a hundred steps."""
     swing = lambda t, y: (y[1] / pace, (-y[0] + 0.1 * size * cos(2 * t / pace)) / pace)  # noqa: E731
     hit = ss.Switch(lambda t, y: y[0] + 0.5 * size, 0, lambda t, y: (-0.5 * size, -0.8 * y[1]))
-    done = ss.passage(ss.SwitchingFlow({0: swing}, {0: (hit,)}), [size, 0.0], 0, 10 * pace)
+    done = ss.dynamics.passage(ss.SwitchingFlow({0: swing}, {0: (hit,)}), [size, 0.0], 0, 10 * pace)
     np.testing.assert_allclose(done.state / size, [0.0250937518, -0.7590137155], atol=1e-9)
     assert done.events[-1][0] / pace == pytest.approx(6.300787377277333, rel=1e-13)
 
@@ -233,7 +233,7 @@ def test_at_equality_a_switch_decides_as_python_does():
         leave = ss.Switch(lambda t, y: y[0], "middle", lambda t, y: (0.0, 0.0))
         middle = ss.Switch(lambda t, y: -1.0 + 0.0 * y[0], decide)
         flow = ss.SwitchingFlow({**fields, "middle": lambda t, y: (0.0, 0.0)}, {"fall": (leave,), "middle": (middle,)})
-        return [ss.passage(flow, [0.5, 0.0], "fall", 2.0, method=method).mode for method in ("exact", "dop853")]
+        return [ss.dynamics.passage(flow, [0.5, 0.0], "fall", 2.0, method=method).mode for method in ("exact", "dop853")]
 
     assert after(lambda t, y: "up" if y[1] >= 0 else "down") == ["up", "up"]
     assert after(lambda t, y: "up" if y[1] > 0 else "down") == ["down", "down"]
@@ -241,11 +241,11 @@ def test_at_equality_a_switch_decides_as_python_does():
 
 def test_what_cannot_be_traced_is_followed_by_scipy_and_says_so():
     flow = asked(lambda t, y: (-1.0 if y[0] == y[0] else 1.0,))
-    done = ss.passage(flow, [0.2], 0, 0.5)
+    done = ss.dynamics.passage(flow, [0.2], 0, 0.5)
     assert done.method == "dop853" and "==" in done.why and done.state[0] == pytest.approx(-0.3, abs=1e-12)
     with pytest.raises(ss.InputError, match=r"cannot follow the flow: .*; type method=\"auto\""):
-        ss.passage(flow, [0.2], 0, 0.5, method="exact")
-    with pytest.raises(ss.InputError, match=r"with symbols: .*type ss.passage"):
+        ss.dynamics.passage(flow, [0.2], 0, 0.5, method="exact")
+    with pytest.raises(ss.InputError, match=r"with symbols: .*type ss.dynamics.passage"):
         ss.solve(flow, start=[0.2], duration=0.5)
 
 
@@ -326,7 +326,7 @@ def test_what_is_wrong_with_a_flow_and_its_door_is_said_at_once(ball):
     with pytest.raises(ss.InputError, match=r"(?s)2 problems.*start has no 'x'.*type duration=60.0"):
         ss.solve(ball, start={"x": 1.0})
     with pytest.raises(ss.InputError, match="numbers of the flow are arrays"):
-        ss.passage(ball.replace(r=[0.1, 0.2]), [1.0, 0.0], 0, 1.0)
+        ss.dynamics.passage(ball.replace(r=[0.1, 0.2]), [1.0, 0.0], 0, 1.0)
     with pytest.raises(ss.InputError, match=r"has no period, and no run .*: switches accumulate"):
         ss.basins(ball, height=[1.0])
     with pytest.raises(ss.InputError, match="out is not known of a flow, whose sweeps are kept in memory; leave it out"):
@@ -345,13 +345,13 @@ def test_friction_in_a_field_is_as_exact_as_in_a_law():
     """A Stribeck peak in the rates: the engine's Taylor steps against the judge at rtol 1e-13."""
     slip = lambda t, y: (y[1], -2 * y[0] + 1.0 + 0.5 * exp(-((y[1] - 0.1) ** 2) / 0.02))  # noqa: E731
     flow = ss.SwitchingFlow({0: slip})
-    ours, judge = (ss.passage(flow, [0.52, 0.05], 0, 6.0, rtol=1e-13, method=method) for method in ("exact", "dop853"))
+    ours, judge = (ss.dynamics.passage(flow, [0.52, 0.05], 0, 6.0, rtol=1e-13, method=method) for method in ("exact", "dop853"))
     np.testing.assert_allclose(ours.state, judge.state, atol=1e-10)
 
 
 def test_equal_flows_of_the_tests_and_of_the_table(ball):
     """The table's flow is that of Den Hartog's tests: same multipliers by another way of writing it."""
-    other = ss.flow_orbit(den_hartog(0.3), [1.0, 0.5], 1, settle=10)
+    other = ss.dynamics.flow_orbit(den_hartog(0.3), [1.0, 0.5], 1, settle=10)
     own = ss.periodic_orbit(DEN_HARTOG, guess={"x": 1.0, "v": 0.5})
     np.testing.assert_allclose(np.sort_complex(own.multipliers), np.sort_complex(other.multipliers), atol=1e-9)
 

@@ -25,7 +25,7 @@ from stickslip.models.friction.law_adapter import adapted
 from stickslip.models.machine_adapter import machine_of
 from stickslip.show.reports.mathml import mathml
 
-DROPPED = ss.Chain((SHAKEN, SHAKEN.replace(drive=ss.TwoPhase(stroke=0.01, u1=0.654, u2=0.654))), ss.Rigid())
+DROPPED = ss.Chain((SHAKEN, SHAKEN.replace(drive=ss.drives.TwoPhase(stroke=0.01, u1=0.654, u2=0.654))), ss.machines.Rigid())
 MACHINES = {
     **{name: made[0] for name, made in with_bodies.items()},
     "everything": Everything(300.0, DRY),

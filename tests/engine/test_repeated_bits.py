@@ -21,7 +21,7 @@ MACHINES = {
     "Taylor steps": RIG(amplitude=np.linspace(4e-4, 8e-4, 24)).replace(
         friction=ss.Stribeck(mu_plus=0.18, mu_minus=0.2, f_plus=0.21, f_minus=0.23, v_s=2e-3)
     ),
-    "Rosenbrock steps": RIG(amplitude=np.linspace(5e-4, 7e-4, 4)).replace(friction=ss.ElastoPlastic.example()),
+    "Rosenbrock steps": RIG(amplitude=np.linspace(5e-4, 7e-4, 4)).replace(friction=ss.friction.ElastoPlastic.example()),
     "two bodies": ss.presets.two_modules(),
 }
 COLUMNS = ("mean_velocity", "v_max", "v_min", "period", "periods_run", "status", "slip_forwards", "friction_power")

@@ -163,7 +163,9 @@ def test_coefficients_of_every_law_and_drive_are_those_of_a_second_method():
 # ---- which guards there are to watch ----
 def test_guards_are_watched_that_have_a_switch_or_a_flag_that_something_reads():
     for law in ("coulomb", "tabulated"):
-        eq = trace.trace(ss.presets.piezo_rig(tilt_deg=0.0, amplitude=6e-4, law="coulomb").replace(friction=ss.LAWS[law].example()))
+        eq = trace.trace(
+            ss.presets.piezo_rig(tilt_deg=0.0, amplitude=6e-4, law="coulomb").replace(friction=ss.friction.LAWS[law].example())
+        )
         assert taylor.watched(eq) == list(range(1, len(eq.guards)))  # the side of v is the mode, which has switches of its own
     eq = trace.trace(chain(0.0, 1.0))
     assert taylor.watched(eq) == list(range(6))  # of each contact: it comes to rest, and breaks away to either side

@@ -108,7 +108,11 @@ def test_the_equations_say_which_machines_are_taken():
     """No class is asked: a user's own law is taken as LuGre is, and refused for what its equation is."""
     for law in (ss.LuGre.example(), ss.Dahl.example(), Rational()):
         assert series.series_refusal(rig(law)) is None
-    for law, why in ((Curved(), "not affine"), (ss.ElastoPlastic.example(), "no conditions"), (ss.GMS.example(), "one inner state")):
+    for law, why in (
+        (Curved(), "not affine"),
+        (ss.friction.ElastoPlastic.example(), "no conditions"),
+        (ss.friction.GMS.example(), "one inner state"),
+    ):
         assert why in series.series_refusal(rig(law))
     with pytest.raises(ss.InputError, match="Taylor series: it is for laws with inner states"):
         ss.solve(rig(ss.Coulomb(0.15, 0.21)), periods=1, method="taylor")
@@ -216,7 +220,7 @@ def test_the_papers_rows_are_those_of_another_integrator_to_the_last_digits(name
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("drive", [ss.MultiHarmonic, ss.Trapezoid, ss.BangBang, ss.Sawtooth, ss.Reversed])
+@pytest.mark.parametrize("drive", [ss.MultiHarmonic, ss.drives.Trapezoid, ss.drives.BangBang, ss.drives.Sawtooth, ss.drives.Reversed])
 @pytest.mark.parametrize("law", [ss.LuGre.example(), ss.Dahl.example(), Rational()])
 def test_other_drives_and_laws_agree_with_rosenbrock_steps(drive, law):
     """Breaks, impulses and drives in pieces end steps as they do elsewhere; a curve with a pole is as good as one without."""
@@ -273,7 +277,7 @@ def test_extremes_are_right_where_the_acceleration_jumps():
 
     The trajectory is sampled 20000 times in a period, in which its cusps are missed by less than 1e-3.
     """
-    robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4).replace(drive=ss.BangBang.example())
+    robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4).replace(drive=ss.drives.BangBang.example())
     run = ss.solve(robot, periods=12, rtol=1e-8, method="rodas5p")
     found = ss.solve(robot, periods=12, settle=6, rtol=1e-8, method="rodas5p", keep="summary")
     v = run.at(float(robot.period) * np.linspace(11.0, 12.0, 20001))["v"]

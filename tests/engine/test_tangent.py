@@ -40,7 +40,7 @@ MACHINES = {
     "capsule with an elastic stop": problems.CAPSULE_1,
     "three masses at prescribed distances": problems.WORMS["P3e"][0],
     "an instant within the period": problems.MASSES["K3"][0],
-    "jumps whose instants move": robot(drive=ss.TwoPhase.example()),
+    "jumps whose instants move": robot(drive=ss.drives.TwoPhase.example()),
     "a belt, no period": BELT,
 }
 MORE = {
@@ -48,10 +48,10 @@ MORE = {
     "impacts twice a period": problems.CAPSULE_3,
     "three blocks": problems.ThreeBlocks(),
     "clutches, bodies on bodies": problems.Clutches(),
-    "a period by formula": robot(drive=ss.ThreePhase.example()),
-    "pieces": robot(drive=ss.Trapezoid.example()),
-    "friction that varies": robot().replace(track=ss.VaryingFriction(ss.Incline(0.03), depth=0.3)),
-} | {law.__name__: robot(law.example()) for law in (ss.CoulombViscous, ss.Stribeck, ss.Tabulated, ss.Viscous)}
+    "a period by formula": robot(drive=ss.drives.ThreePhase.example()),
+    "pieces": robot(drive=ss.drives.Trapezoid.example()),
+    "friction that varies": robot().replace(track=ss.tracks.VaryingFriction(ss.Incline(0.03), depth=0.3)),
+} | {law.__name__: robot(law.example()) for law in (ss.CoulombViscous, ss.Stribeck, ss.friction.Tabulated, ss.Viscous)}
 
 
 def start_of(machine, seed=1):
@@ -135,7 +135,7 @@ def test_changes_of_a_chain_of_periods_are_products():
 # ---- the mean velocity ----
 def test_sensitivities_of_two_modules_are_those_of_the_reference():
     """Through four events; the reference has Richardson's differences of an independent exact solver."""
-    found = ss.sensitivity(chain(0.0, 2.0), wrt=["phases.1", "modules.*.friction.mu_plus"])
+    found = ss.dynamics.sensitivity(chain(0.0, 2.0), wrt=["phases.1", "modules.*.friction.mu_plus"])
     assert found["phases.1"] == pytest.approx(0.0084111490, rel=1e-7)
     assert found["modules.*.friction.mu_plus"] == pytest.approx(-0.2055046907, rel=1e-7)
     assert found.velocity == pytest.approx(ss.periodic_orbit(chain(0.0, 2.0)).mean_velocity, rel=1e-12)
@@ -144,8 +144,8 @@ def test_sensitivities_of_two_modules_are_those_of_the_reference():
 def test_the_same_phase_at_both_modules_moves_nothing():
     """A shift in time; and all that is known of V under a change of units is in its derivatives too."""
     pair = chain(0.0, 2.0)
-    assert abs(ss.sensitivity(pair, wrt="phases.*").mean_velocity[0]) < 1e-15
-    found = ss.sensitivity(pair)
+    assert abs(ss.dynamics.sensitivity(pair, wrt="phases.*").mean_velocity[0]) < 1e-15
+    found = ss.dynamics.sensitivity(pair)
     assert "modules.0.drive.omega" not in found.names  # alone it leaves the machine without a period
     by_mass = found.names[0] == "modules.0.body_mass"
     masses = [n for n in found.names if n.endswith("mass")] + ["link.stiffness", "link.damping"]
@@ -163,7 +163,7 @@ def test_the_frequency_counts_as_differences_say(make):
         return ss.periodic_orbit(machine.replace({name: value * (1 + h)})).mean_velocity
 
     differences, apart = richardson(V, 1e-4)
-    assert ss.sensitivity(machine, wrt=name).mean_velocity[0] * value == pytest.approx(float(differences), abs=float(apart))
+    assert ss.dynamics.sensitivity(machine, wrt=name).mean_velocity[0] * value == pytest.approx(float(differences), abs=float(apart))
 
 
 def test_a_run_that_has_not_settled_has_the_derivatives_of_its_own_mean():
@@ -173,7 +173,7 @@ def test_a_run_that_has_not_settled_has_the_derivatives_of_its_own_mean():
         return ss.mean_velocity(ss.solve(machine.replace({"friction.mu_minus": 0.21 + h}), periods=periods, settle=settle))
 
     differences, apart = richardson(V, 1e-5)
-    found = ss.sensitivity(ss.solve(machine, periods=periods, settle=settle), wrt="friction.mu_minus")
+    found = ss.dynamics.sensitivity(ss.solve(machine, periods=periods, settle=settle), wrt="friction.mu_minus")
     assert found.mean_velocity[0] == pytest.approx(float(differences), abs=float(apart) + 1e-9)
 
 
@@ -184,26 +184,26 @@ def test_laws_with_inner_states_go_the_same_way():
     def V(h):
         return ss.periodic_orbit(machine.replace({"drive.amplitude": 6e-4 * (1 + h)})).mean_velocity
 
-    found = ss.sensitivity(machine, wrt="drive.amplitude")
+    found = ss.dynamics.sensitivity(machine, wrt="drive.amplitude")
     assert found.mean_velocity[0] * 6e-4 == pytest.approx(float(richardson(V, 1e-4)[0]), rel=1e-6)
 
 
 def test_a_body_that_may_stand_anywhere_says_so():
     """Below the border of rest nothing moves it, and nothing holds the others together but the spring."""
     still = chain(0.0, 1.0, modules=(module(amplitude=1e-4),) * 2)
-    found = ss.sensitivity(ss.periodic_orbit(still, guess=state_at_rest(still)[0]), wrt="phases.1")
+    found = ss.dynamics.sensitivity(ss.periodic_orbit(still, guess=state_at_rest(still)[0]), wrt="phases.1")
     assert found.mean_velocity[0] == 0.0 and "a multiplier is 1" in found.notes[0]
 
 
 @each_row(
     ("call", "said"),
     [
-        (lambda: ss.sensitivity(chain(0.0, 2.0), wrt="drive.amplitud"), "'drive.amplitud' is not a number of Chain; .*amplitude"),
-        (lambda: ss.sensitivity(chain(0.0, 2.0), wrt="modules.0.drive.omega"), r"do not repeat after the period; .*'\*.omega'"),
-        (lambda: ss.sensitivity(robot(), wrt=[]), "wrt is empty"),
-        (lambda: ss.sensitivity(3), "3 is neither a machine"),
-        (lambda: ss.sensitivity(robot().replace({"drive.amplitude": np.array([5e-4, 6e-4])})), "is a batch"),
-        (lambda: ss.sensitivity(robot(ss.Bristle(0.15, 0.21, 4e5))), "plain numbers only"),
+        (lambda: ss.dynamics.sensitivity(chain(0.0, 2.0), wrt="drive.amplitud"), "'drive.amplitud' is not a number of Chain; .*amplitude"),
+        (lambda: ss.dynamics.sensitivity(chain(0.0, 2.0), wrt="modules.0.drive.omega"), r"do not repeat after the period; .*'\*.omega'"),
+        (lambda: ss.dynamics.sensitivity(robot(), wrt=[]), "wrt is empty"),
+        (lambda: ss.dynamics.sensitivity(3), "3 is neither a machine"),
+        (lambda: ss.dynamics.sensitivity(robot().replace({"drive.amplitude": np.array([5e-4, 6e-4])})), "is a batch"),
+        (lambda: ss.dynamics.sensitivity(robot(ss.friction.Bristle(0.15, 0.21, 4e5))), "plain numbers only"),
         (lambda: tangent(trace(robot()), wrt=("mass",)), "'mass' is none of them"),
     ],
 )  # fmt: skip
@@ -244,8 +244,8 @@ def test_numbers_behind_a_formula_have_slopes_too():
 
 def test_what_dwells_at_the_edge_of_a_dead_band_is_still_there_when_an_impulse_comes():
     """The body comes to the edge of Karnopp's band and stays: it has no rates before the impulse, whatever rounding makes of the edge."""
-    law = ss.Karnopp(mu_plus=0.0127, mu_minus=0.0199, f_plus=0.0195, f_minus=0.0199, width=1.3e-4)
-    drive = ss.TwoPhase(stroke=0.074, u1=0.25, u2=1.22)
+    law = ss.friction.Karnopp(mu_plus=0.0127, mu_minus=0.0199, f_plus=0.0195, f_minus=0.0199, width=1.3e-4)
+    drive = ss.drives.TwoPhase(stroke=0.074, u1=0.25, u2=1.22)
     robot = ss.Robot(body_mass=0.0153, inner_mass=9e-4, drive=drive, friction=law, gravity=1.955)
 
     def speed(u1: float) -> float:
@@ -253,5 +253,5 @@ def test_what_dwells_at_the_edge_of_a_dead_band_is_still_there_when_an_impulse_c
 
     step = 1e-4 * drive.u1
     differences = (speed(drive.u1 + step) - speed(drive.u1 - step)) / (2 * step)
-    found = ss.sensitivity(ss.solve(robot, periods=2, rtol=1e-11), "drive.u1")["drive.u1"]
+    found = ss.dynamics.sensitivity(ss.solve(robot, periods=2, rtol=1e-11), "drive.u1")["drive.u1"]
     assert found == pytest.approx(differences, rel=1e-7)

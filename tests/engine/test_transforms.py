@@ -27,9 +27,9 @@ MACHINES = {
     "chain": chain(0.0, math.pi / 2),
     "hits": problems.CAPSULE_7,
     "elastic stop": problems.CAPSULE_1,
-    "jumps": robot(drive=ss.TwoPhase.example()),
+    "jumps": robot(drive=ss.drives.TwoPhase.example()),
     "bristle": ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4),
-    "memory": robot(ss.GMS.example()),
+    "memory": robot(ss.friction.GMS.example()),
     "prescribed distances": problems.WORMS["P3e"][0],
 }
 

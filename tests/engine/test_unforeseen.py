@@ -66,7 +66,7 @@ def test_equations_that_hide_nothing_pay_nothing():
 
     for law in ("coulombviscous", "tabulated"):
         for shaken in drawn.DRIVES:
-            eq = trace.trace(ss.Robot(0.06, 0.01, ss.DRIVES[shaken].example(), ss.LAWS[law].example()))
+            eq = trace.trace(ss.Robot(0.06, 0.01, ss.drives.DRIVES[shaken].example(), ss.friction.LAWS[law].example()))
             assert not unforeseen.hides(eq), (law, shaken)
     assert unforeseen.hides(trace.trace(NARROW))
 
@@ -169,7 +169,7 @@ def test_tanh_has_its_digits_far_from_zero():
 # ---- Rosenbrock steps ----
 LIGHT = ss.Robot(
     body_mass=1.003e-6, inner_mass=2.07e-7, drive=ss.Harmonic(1.1093423178086476e-4, omega=1523.4499695542024),
-    friction=ss.ElastoPlastic(0.0289, 0.0747, 0.0324, 0.0835, sigma0=8.69e4, sigma1=77.6, sigma2=0.0586, v_s=8.98e-3,
+    friction=ss.friction.ElastoPlastic(0.0289, 0.0747, 0.0324, 0.0835, sigma0=8.69e4, sigma1=77.6, sigma2=0.0586, v_s=8.98e-3,
                               z_ba=2.33e-12, z_ba_minus=5.56e-12),
 )  # fmt: skip
 

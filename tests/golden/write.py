@@ -40,7 +40,7 @@ def main():
         (HERE / "robot.toml").write_text(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4).to_toml())
     if not (folder := HERE / f"study-format-{STUDY}").exists():
         grid = ss.sweep(ss.presets.piezo_rig, amplitude=[3e-4, 6e-4], tilt_deg=[1.0, 1.7], law="coulomb", out=folder)
-        ss.export(grid, HERE / f"grid-format-{STUDY}.nc")
+        ss.studies.export(grid, HERE / f"grid-format-{STUDY}.nc")
         numbers[folder.name] = numbers[f"grid-format-{STUDY}.nc"] = {"mean_velocity": grid.mean_velocity.values.tolist()}
     if not (folder := HERE / f"atlas-format-{ATLAS}").exists():
         made = ss.atlas(ss.presets.piezo_rig, out=folder, **PLANE)
@@ -50,7 +50,7 @@ def main():
     if not (HERE / "run.csv").exists():
         run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), periods=1, settle=0, samples=20)
         for name in ("run.csv", "run.mat", "run.xlsx"):
-            ss.export(run, HERE / name)
+            ss.studies.export(run, HERE / name)
             numbers[name] = {"x": run.x.tolist(), "v": run.v.tolist()}
     known = json.loads((HERE / "numbers.json").read_text()) if (HERE / "numbers.json").exists() else {}
     (HERE / "numbers.json").write_text(json.dumps(known | numbers, indent=1) + "\n")

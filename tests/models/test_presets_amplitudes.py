@@ -33,6 +33,6 @@ def test_every_amplitude_beside_a_tilt_of_the_paper_is_the_inferred_one_or_a_rou
 def test_at_the_papers_amplitudes_all_printed_velocities_and_types_come_out(tilt, coulomb, lugre, kind):
     """Section 4, to the last printed digit, with break-away at f0."""
     found = {law: ss.presets.piezo_rig(tilt, ss.presets.PAPER_AMPLITUDES[tilt], law=law) for law in ("coulomb-static", "lugre")}
-    assert round(1e3 * float(ss.periodic_mean_velocity(found["coulomb-static"])), 1) == coulomb
-    assert round(1e3 * float(ss.periodic_mean_velocity(found["lugre"])), 1) == lugre
+    assert round(1e3 * float(ss.analysis.periodic_mean_velocity(found["coulomb-static"])), 1) == coulomb
+    assert round(1e3 * float(ss.analysis.periodic_mean_velocity(found["lugre"])), 1) == lugre
     assert ss.motion(ss.solve(found["coulomb-static"])).type == kind == ss.motion(ss.solve(found["lugre"])).twin

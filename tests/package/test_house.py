@@ -11,6 +11,7 @@ import tomllib
 import pytest
 
 from house import PAGES, ROOT, blocks
+from rows import each_row
 
 SOURCES = sorted(p for p in (ROOT / "src" / "stickslip").rglob("*.py") if p.parent.name != "kernels")  # kernel texts are not modules
 HEAVY = ("numba", "llvmlite", "scipy", "matplotlib", "xarray", "pandas", "h5py", "pydantic", "jinja2", "sympy")
@@ -210,16 +211,61 @@ def test_most_public_parameters_say_what_they_are():
     assert len(annotations) > 1000 and share <= 0.15, f"{share:.1%} of the public parameters are Any; give the new ones a type"
 
 
-def public_names():
+def public_objects():
+    """Every object of the package and of the modules that it shows."""
     import stickslip as ss
 
-    return [name for name in ss.__all__ if not name.startswith("__") and not inspect.ismodule(getattr(ss, name))]
+    values = {name: getattr(ss, name) for name in ss.__all__}
+    modules = {name: value for name, value in values.items() if inspect.ismodule(value)}
+    inside = {f"{module}.{name}": getattr(value, name) for module, value in modules.items() for name in value.__all__}
+    return {name: value for name, value in values.items() if name not in modules} | inside
+
+
+def test_at_most_seventy_names_are_in_reach_and_modules_show_nothing_but_theirs():
+    import stickslip as ss
+
+    shown = [name for name in dir(ss) if not name.startswith("_")]
+    assert shown == sorted(ss.__all__) and len(shown) <= 70
+    modules = {name: getattr(ss, name) for name in (*ss.PUBLIC_MODULES, *shown) if inspect.ismodule(getattr(ss, name))}
+    leaking = {name: set(dir(module)) - set(module.__all__) for name, module in modules.items()}
+    assert len(modules) > 15 and not {name: names for name, names in leaking.items() if names}
+
+
+@each_row(
+    ("name", "hint"),
+    [
+        ("fit", "type ss.identify"), ("simulate", "type ss.solve"), ("plt", "type ss.plot"), ("minimize", "type ss.optimise"),
+        ("GMS", "type ss.friction.GMS"), ("Atlas", "type ss.dynamics.Atlas"), ("rank", "type ss.identification.rank"),
+        ("Simulation", "type from stickslip.solvers.simulation import Simulation"), ("sovle", "did you mean 'solve'?"),
+    ],
+)  # fmt: skip
+def test_a_name_that_is_elsewhere_says_what_to_type(name, hint):
+    import stickslip as ss
+
+    with pytest.raises(AttributeError) as raised:
+        getattr(ss, name)
+    assert str(raised.value) == f"stickslip has no {name!r}; {hint}"
+
+
+def test_classes_that_live_in_their_modules_are_there():
+    import stickslip as ss
+
+    assert all(getattr(importlib.import_module(f"stickslip.{place}"), name) for name, place in ss._IN_MODULES.items())
+    assert ss.optimize is ss.optimise
+
+
+#: Results whose function has the example, and the functions of mathematics, which need none.
+SHOWN_ELSEWHERE = (
+    "designs.SweepDesign",
+    "identification.Comparison",
+    "identification.Design",
+    "identification.Ranking",
+    "optimisation.Search",
+)
 
 
 def test_every_public_name_has_an_example_that_runs():
-    import stickslip as ss
-
-    objects = {name: getattr(ss, name) for name in public_names()} | {f"plot.{name}": getattr(ss.plot, name) for name in ss.plot.__all__}
+    objects = {name: thing for name, thing in public_objects().items() if name not in SHOWN_ELSEWHERE and not name.startswith("maths.")}
     owed = {
         name: thing for name, thing in objects.items() if callable(thing) and not (inspect.isclass(thing) and issubclass(thing, Exception))
     }

@@ -78,7 +78,7 @@ def test_every_preset_is_registered():
 
 def test_every_link_is_registered():
     """Those that a file can hold: a `Link` is made of functions."""
-    names = [cls.__name__ for cls in own(parts, type) if cls not in (*LINKS.values(), ss.Body, ss.Contact, ss.Stop, ss.Link)]
+    names = [cls.__name__ for cls in own(parts, type) if cls not in (*LINKS.values(), ss.Body, ss.Contact, ss.Stop, ss.machines.Link)]
     left = [name for name in names if not name.startswith("_")]
     assert not left, f'{", ".join(left)}: add a line such as "spring": Spring to LINKS at the end of src/stickslip/models/machines/parts.py'
 
@@ -91,12 +91,12 @@ def test_every_page_is_in_a_list_of_pages(folder):
     assert not left, f"{', '.join(left)}: add to the list of pages (toctree) of docs/{'' if folder == 'machines' else folder + '/'}index.md"
 
 
-@each_row("name", ss.LAWS)
+@each_row("name", ss.friction.LAWS)
 def test_a_law_has_what_its_recipe_names(name):
     tell(law_lacks(name))
 
 
-@each_row("name", ss.DRIVES)
+@each_row("name", ss.drives.DRIVES)
 def test_a_drive_has_what_its_recipe_names(name):
     tell(drive_lacks(name))
 
@@ -267,17 +267,17 @@ class Forgetful(ss.Viscous):
 
 
 def test_what_a_law_forgets_is_told_in_sentences_and_hides_no_other(monkeypatch):
-    finished = set(examples(ss.LAWS))
-    monkeypatch.setitem(ss.LAWS, "forgetful", Forgetful)
+    finished = set(examples(ss.friction.LAWS))
+    monkeypatch.setitem(ss.friction.LAWS, "forgetful", Forgetful)
     told = "\n".join(law_lacks("forgetful"))
     said = "Forgetful.depth has no label, unit, example; type depth: float", "example() gives no Forgetful", "bench_laws.py forgetful draws"
     assert all(words in told for words in (*said, "docs/laws", "__init__.pyi")), told
-    assert set(examples(ss.LAWS)) == finished <= set(LAWS)
+    assert set(examples(ss.friction.LAWS)) == finished <= set(LAWS)
     assert set(told.splitlines()) <= set(all_that_is_forgotten())
 
 
 def test_a_law_in_the_registry_without_the_base_class_is_told_what_to_write(monkeypatch):
-    monkeypatch.setitem(ss.LAWS, "stranger", Stranger)
+    monkeypatch.setitem(ss.friction.LAWS, "stranger", Stranger)
     assert "Stranger: write from stickslip.models.friction.law import Law, and class Stranger(Law)" in law_lacks("stranger")
 
 
@@ -289,7 +289,7 @@ def test_a_class_that_is_no_dataclass_as_ours_is_told_what_to_write(cls):
 
 def test_a_set_valued_law_that_does_not_slide_is_told_what_to_write(monkeypatch):
     half = dataclass(frozen=True, eq=False)(type("Half", (Law,), {"breakaway": lambda self, load: (-load, load)}))
-    monkeypatch.setitem(ss.LAWS, "half", half)
+    monkeypatch.setitem(ss.friction.LAWS, "half", half)
     told = law_lacks("half")
     assert "Half: write its method or property sliding" in told and not [line for line in told if "rate" in line.split()]
 

@@ -381,7 +381,10 @@ SOFT = ss.Stop(-0.2, stiffness=9.0)
             "a-b and b-a, .* zero or more; type",
         ),
         ({"walls": {("a", None): (BEHIND, AHEAD)}}, "stops.. has a 1 and a 2, which face one another .* type gap=0.01 for both"),
-        ({"walls": {("a", "b"): AHEAD}, "between": {("a", "b"): ss.Rigid()}}, "a-b, between two bodies whose distance is prescribed"),
+        (
+            {"walls": {("a", "b"): AHEAD}, "between": {("a", "b"): ss.machines.Rigid()}},
+            "a-b, between two bodies whose distance is prescribed",
+        ),
     ],
 )
 def test_stops_that_could_never_be_kept_are_said(made, said):
@@ -428,9 +431,9 @@ class Away:
 
 
 def test_a_gait_whose_distances_do_not_close_is_said():
-    bodies = ss.Bodies(mass=0.05, count=3, friction=ss.Coulomb(0.1, 0.3))
+    bodies = ss.machines.Bodies(mass=0.05, count=3, friction=ss.Coulomb(0.1, 0.3))
     with pytest.raises(ss.InputError, match=r"'body 2'\)\] prescribes a distance that does not close: it changes by 0.005 m in the period"):
-        ss.Chain(bodies, link=ss.Gait(Away(), lag=2.0))
+        ss.Chain(bodies, link=ss.machines.Gait(Away(), lag=2.0))
 
 
 @pytest.mark.parametrize(

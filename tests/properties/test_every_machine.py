@@ -87,8 +87,8 @@ def test_a_list_where_parts_are_meant_says_to_write_a_tuple():
     [
         ss.Chain.example(),
         ss.Chain.example().replace({"phases.1": [0.1, 0.2, 0.3]}),
-        ss.Chain(ss.Chain.example().modules * 2, link=(ss.Spring(1.0), ss.Rigid(), ss.Spring(2.0, 0.1, 0.03))),
-        ss.Chain((ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4), ss.Chain.example().modules[0]), link=ss.Rigid()),
+        ss.Chain(ss.Chain.example().modules * 2, link=(ss.Spring(1.0), ss.machines.Rigid(), ss.Spring(2.0, 0.1, 0.03))),
+        ss.Chain((ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4), ss.Chain.example().modules[0]), link=ss.machines.Rigid()),
     ],
 )  # fmt: skip
 def test_chains_come_back_from_their_files(chain):

@@ -12,6 +12,7 @@ import pytest
 
 import stickslip as ss
 from rows import each_row
+from stickslip.basics.errors import StickslipError
 from stickslip.basics.progress import ProgressLine
 from stickslip.maths import exp, where
 from stickslip.models.tables import document_of
@@ -23,7 +24,7 @@ def rig(**more):
 
 
 def says(make, *words):
-    with pytest.raises(ss.StickslipError) as caught:
+    with pytest.raises(StickslipError) as caught:
         make()
     for word in words:
         assert word in str(caught.value), str(caught.value)
@@ -140,7 +141,7 @@ def test_a_law_without_bounds_is_told_that_both_branches_are_computed():
 
 # ---- contact ----
 def thrown(amplitude=5e-3, phase=-1.5707963):
-    drive = ss.VerticalVibration(ss.Harmonic(5e-4, omega=200.0), amplitude=amplitude, phase=phase)
+    drive = ss.drives.VerticalVibration(ss.Harmonic(5e-4, omega=200.0), amplitude=amplitude, phase=phase)
     return ss.Robot(body_mass=0.06, inner_mass=0.01, friction=ss.Coulomb(0.15, 0.2), drive=drive)
 
 
@@ -205,7 +206,7 @@ def test_an_ending_that_is_no_format_is_refused(short, tmp_path):
 
 @each_row("path", [3, None, b"run.nc", "a\0.nc", ["run.nc"]])
 def test_what_is_no_path_is_told(short, path):
-    for give in (short.save, short.to_mat, ss.load, ss.read, ss.open_study, lambda p: ss.export(p, p)):
+    for give in (short.save, short.to_mat, ss.load, ss.read, ss.open_study, lambda p: ss.studies.export(p, p)):
         says(lambda give=give: give(path), "path")
 
 
@@ -251,10 +252,10 @@ def test_progress_means_one_thing_everywhere(capsys):
         lambda p: ss.bench(ss.Coulomb(0.15, 0.2), experiments=["steady"], progress=p),
         lambda p: ss.bifurcation(ss.presets.piezo_rig, parameter="amplitude", values=[5e-4, 6e-4], tilt_deg=1.7, law="coulomb", progress=p),
         lambda p: branch(progress=p),
-        lambda p: ss.special_curve(whole, whole.special[0], "mu0", stop=0.185, progress=p),
-        lambda p: ss.propagate(rig(law="coulomb"), uncertain={"friction.mu_plus": (0.15, "3%")}, samples=4, progress=p),
+        lambda p: ss.dynamics.special_curve(whole, whole.special[0], "mu0", stop=0.185, progress=p),
+        lambda p: ss.optimisation.propagate(rig(law="coulomb"), uncertain={"friction.mu_plus": (0.15, "3%")}, samples=4, progress=p),
         lambda p: ss.compare(record, rig(law="coulomb"), laws=["coulomb"], progress=p),
-        lambda p: ss.edge_state(DUFFING, {"x": -1.0}, {"x": 1.0}, progress=p),
+        lambda p: ss.dynamics.edge_state(DUFFING, {"x": -1.0}, {"x": 1.0}, progress=p),
     ]
     for call in calls:
         for progress in (True, False, None, lambda *now: None):
@@ -270,7 +271,7 @@ def test_a_bar_of_progress_is_one_line(monkeypatch):
 
     monkeypatch.setenv("TERM", "xterm")
     line = ProgressLine("starts", out=(out := Terminal()))
-    line(1, 2), line("drawing", 1, 2), line(ss.Progress(done=2, cases=2))
+    line(1, 2), line("drawing", 1, 2), line(ss.studies.Progress(done=2, cases=2))
     said = out.getvalue()
     assert said.count("\r") == 3 and said.count("\n") == 1 and said.endswith("\n")
     assert f"[{'#' * 12}{'.' * 12}] starts, 1 of 2" in said and "drawing, 1 of 2" in said and f"[{'#' * 24}] 100 %" in said

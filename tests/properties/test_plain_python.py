@@ -94,7 +94,7 @@ def test_a_force_that_is_no_function_of_its_arguments_is_refused_everywhere(name
 
 def test_what_is_to_be_typed_for_noise_is_solved_as_scipy_solves_it():
     phases, amplitudes = draw.uniform(0, 2 * np.pi, 4).tolist(), (0.3, 0.2, 0.2, 0.1)
-    record = ss.RecordedForce.from_samples(np.linspace(0.0, 2.9, 30), force=draw.normal(size=30), period=3.0, order=4)
+    record = ss.drives.RecordedForce.from_samples(np.linspace(0.0, 2.9, 30), force=draw.normal(size=30), period=3.0, order=4)
 
     def wave(t, x, v):
         return sum(a * sin((1 + k) * t + phase) for k, (a, phase) in enumerate(zip(amplitudes, phases, strict=True))) + record.at(t) - x
@@ -342,7 +342,7 @@ def test_functions_of_a_flow_that_are_no_functions_are_refused(name):
 @each_row("name", list(FLOWS)[:4])
 def test_the_judge_of_flows_refuses_noise_too(name):
     with pytest.raises(ss.InputError, match="for the same arguments later"):
-        ss.passage(FLOWS[name], [1.0, 0.0], 0, 1.0, method="dop853")
+        ss.dynamics.passage(FLOWS[name], [1.0, 0.0], 0, 1.0, method="dop853")
 
 
 def belt(mode_after=None):
@@ -416,7 +416,7 @@ class CartPole(ss.Machine):
         lambda m: ss.solve(m, periods=2, method="dop853"),
         lambda m: ss.sweep(m, push=[3.0, 4.0], periods=2),
         lambda m: ss.periodic_orbit(m),
-        lambda m: ss.mirrored(m),
+        lambda m: ss.dynamics.mirrored(m),
     ],
 )
 def test_an_overridden_mechanics_is_refused_at_every_door(door):

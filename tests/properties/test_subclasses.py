@@ -159,10 +159,10 @@ def test_the_mean_of_the_closed_formula_is_that_of_the_changed_robot():
     for terms in CLOSED:
         robot = changed(**terms)
         run = plain_run(robot, 40)
-        assert ss.periodic_mean_velocity(robot) == pytest.approx(float(np.diff(run.strobe_x)[-1] / robot.period), abs=1e-9)
+        assert ss.analysis.periodic_mean_velocity(robot) == pytest.approx(float(np.diff(run.strobe_x)[-1] / robot.period), abs=1e-9)
     opened = changed(ripple=0.4)
     run = plain_run(opened, 40)
-    assert ss.periodic_mean_velocity(opened) == pytest.approx(float(np.diff(run.strobe_x)[-1] / opened.period), abs=1e-9)
+    assert ss.analysis.periodic_mean_velocity(opened) == pytest.approx(float(np.diff(run.strobe_x)[-1] / opened.period), abs=1e-9)
 
 
 def test_a_batch_in_which_one_term_is_zero_for_some_is_solved_case_by_case_alike():
@@ -201,7 +201,7 @@ def test_the_type_of_motion_and_the_alphas_are_those_of_the_equations():
     run = ss.solve(robot, periods=40)
     assert ss.motion(run).type == str(grid.motion_type.values) == ss.motion(ss.solve(robot, periods=40, method="dop853", rtol=1e-10)).type
     with pytest.raises(ss.InputError, match="alpha_plus"):
-        ss.coulomb_borders(ss.map(robot, **{"drive.amplitude": [5e-4, 6e-4], "ripple": [0.2, 0.3]}, periods=4, settle=2))
+        ss.dynamics.coulomb_borders(ss.map(robot, **{"drive.amplitude": [5e-4, 6e-4], "ripple": [0.2, 0.3]}, periods=4, settle=2))
 
 
 def test_the_power_of_the_actuator_leaves_out_what_else_drives_the_body():
@@ -315,20 +315,20 @@ class Faded:
 
 def test_the_dimensionless_form_is_refused_where_a_subclass_has_other_equations():
     lugre = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4)
-    assert ss.dimensionless(lugre).mu == lugre.mass_ratio
+    assert ss.analysis.dimensionless(lugre).mu == lugre.mass_ratio
     parts = {f.name: getattr(lugre.friction, f.name) for f in dataclasses.fields(lugre.friction)}
     for robot in (dataclasses.replace(lugre, friction=Softer(**parts)), lugre.replace(drive=Skewed(6e-4, omega=OMEGA))):
         with pytest.raises(ss.InputError, match=r"are not those of Eq\. 5\.1"):
-            ss.dimensionless(robot)
+            ss.analysis.dimensionless(robot)
 
 
 def test_a_mirror_image_that_is_none_is_refused():
-    turned = ss.mirrored(changed(ripple=0.0))
+    turned = ss.dynamics.mirrored(changed(ripple=0.0))
     assert turned.acceleration(0.003, 0.0, -0.01, -0.05) == pytest.approx(-changed().acceleration(0.003, 0.0, 0.01, 0.05), rel=1e-12)
-    assert dataclasses.astuple(ss.mirrored(RIG.replace(friction=Faded(0.1, 0.2))).friction) == (0.2, 0.1)
+    assert dataclasses.astuple(ss.dynamics.mirrored(RIG.replace(friction=Faded(0.1, 0.2))).friction) == (0.2, 0.1)
     for robot in (changed(wind=0.1), changed(sway=2.0)):
         with pytest.raises(ss.InputError, match="the acceleration is another one"):
-            ss.mirrored(robot)
+            ss.dynamics.mirrored(robot)
 
 
 def test_a_start_at_another_phase_is_refused_where_the_robot_keeps_the_time_itself():
@@ -351,7 +351,7 @@ def test_the_explorer_shows_no_robot_that_is_another_one():
 
 def test_alphas_are_those_of_kinetic_coefficients_and_not_of_fields_with_their_names():
     assert coulomb_twin(RIG.replace(friction=Faded(0.1, 0.1))) is None
-    assert coulomb_twin(RIG.replace(friction=ss.Tabulated.example())) is None
+    assert coulomb_twin(RIG.replace(friction=ss.friction.Tabulated.example())) is None
     twin = coulomb_twin(RIG.replace(friction=ss.Stribeck.example()))
     assert (twin.friction.mu_plus, twin.friction.mu_minus) == (0.15, 0.21)
     robot = changed(factor=1.5)

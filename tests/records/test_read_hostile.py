@@ -83,7 +83,7 @@ def test_a_run_whose_numbers_lie_elsewhere_is_not_loaded(tmp_path, lay):
     arcs = HarmonicArcs(
         np.array([0.0, robot.period]), np.array([0]), np.zeros(1), np.zeros(1), 0.555, robot.drive.omega, 1.77, 1.77
     )  # fmt: skip
-    path = ss.Trajectory(robot, arcs, periods=1, settle=0, rtol=1e-6, method="by hand").save(tmp_path / "run.nc")
+    path = ss.results.Trajectory(robot, arcs, periods=1, settle=0, rtol=1e-6, method="by hand").save(tmp_path / "run.nc")
     assert ss.load(path).model == robot
     with h5py.File(path, "r+") as file:
         lay(file["pieces"], tmp_path)

@@ -257,7 +257,7 @@ def test_a_settled_record_says_what_was_left_out():
     robot = ss.Robot(body_mass=0.06, inner_mass=0.01, drive=ss.Harmonic(6e-4, frequency=40.0), friction=ss.Coulomb(0.13, 0.21))
     rec = ss.virtual_rig(robot, noise=2e-4, seed=2, settle=0, periods=60, samples=100)
     kept = rec.settled()
-    steady = ss.periodic_mean_velocity(robot)
+    steady = ss.analysis.periodic_mean_velocity(robot)
     assert "differ from the later ones" in kept.notes[-1] and abs(kept.mean_velocity - steady) < 1e-5 < abs(rec.mean_velocity - steady)
     assert rec.settled(settle=0) is rec
 

@@ -38,7 +38,7 @@ def test_columns_of_parts_stand_apart_in_tables():
         assert np.array_equal(frame[f"x.{name}"], chain.x[:, i])
 
 
-@pytest.mark.parametrize("write", [lambda run, path: run.to_excel(path), lambda run, path: run.save(path), ss.export])
+@pytest.mark.parametrize("write", [lambda run, path: run.to_excel(path), lambda run, path: run.save(path), ss.studies.export])
 def test_a_workbook_of_a_run_has_units_in_its_head_and_says_what_ran(run, write, tmp_path):
     head, rows, about = read_xlsx(write(run, tmp_path / "run.xlsx"))
     assert head[:3] == ["t [s]", "x [m]", "v [m/s]"]
@@ -47,18 +47,18 @@ def test_a_workbook_of_a_run_has_units_in_its_head_and_says_what_ran(run, write,
 
 
 def test_export_takes_runs_and_batches(run, tmp_path):
-    assert ss.export(run, tmp_path / "run.csv").read_text().startswith("t [s],x [m]")
-    assert np.array_equal(loadmat(ss.export(run, tmp_path / "run.mat"))["v"].ravel(), run.v)
-    assert np.array_equal(ss.load(ss.export(run, tmp_path / "run.nc")).v, run.v)
+    assert ss.studies.export(run, tmp_path / "run.csv").read_text().startswith("t [s],x [m]")
+    assert np.array_equal(loadmat(ss.studies.export(run, tmp_path / "run.mat"))["v"].ravel(), run.v)
+    assert np.array_equal(ss.load(ss.studies.export(run, tmp_path / "run.nc")).v, run.v)
     batch = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[5e-4, 6e-4], law="coulomb"), periods=2)
-    head, rows, _ = read_xlsx(ss.export(batch, tmp_path / "batch.xlsx"))
+    head, rows, _ = read_xlsx(ss.studies.export(batch, tmp_path / "batch.xlsx"))
     assert np.allclose([row[head.index("mean_velocity [m/s]")] for row in rows], batch.mean_velocity, rtol=DIGITS, atol=0)
     assert batch.to_dataframe().mean_velocity.tolist() == batch.mean_velocity.tolist()
 
 
 def test_a_workbook_of_a_study_has_words_and_empty_cells_where_there_is_no_number(tmp_path):
     grid = ss.sweep(ss.presets.coulomb_robot, alpha_plus=[0.5, float("nan")], alpha_minus=0.9)
-    head, rows, about = read_xlsx(ss.export(grid, tmp_path / "grid.xlsx"))
+    head, rows, about = read_xlsx(ss.studies.export(grid, tmp_path / "grid.xlsx"))
     assert rows[0][head.index("motion_type")] == grid.motion_type.values[0]
     assert rows[1][head.index("mean_velocity")] is None
     assert about["maker"] == "coulomb_robot"
@@ -67,7 +67,7 @@ def test_a_workbook_of_a_study_has_words_and_empty_cells_where_there_is_no_numbe
 def test_a_workbook_explains_its_columns_and_its_numbers(run, tmp_path):
     """A colleague who has only the file finds every unit and meaning in it, and headings that are not cut off."""
     grid = ss.sweep(ss.presets.two_modules, phase=[0.0, 3.0], stiffness=1200.0)
-    for path in (ss.export(grid, tmp_path / "grid.xlsx"), run.to_excel(tmp_path / "run.xlsx")):
+    for path in (ss.studies.export(grid, tmp_path / "grid.xlsx"), run.to_excel(tmp_path / "run.xlsx")):
         book = openpyxl.load_workbook(path)
         assert book.sheetnames == ["data", "columns", "about"] and [sheet.freeze_panes for sheet in book] == ["A2"] * 3
         head = list(book["data"][1])
@@ -87,10 +87,10 @@ def test_a_workbook_explains_its_columns_and_its_numbers(run, tmp_path):
 
 def test_points_of_a_branch_have_units_and_the_branch_itself_is_refused_with_the_way(tmp_path):
     branch = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=4e-4, stop=6e-4, tilt_deg=1.7, law="coulomb")
-    head, *_ = read_xlsx(ss.export(branch.points, tmp_path / "branch.xlsx"))
+    head, *_ = read_xlsx(ss.studies.export(branch.points, tmp_path / "branch.xlsx"))
     assert {"amplitude [m]", "v [m/s]", "mean_velocity [m/s]"} <= set(head)
     with pytest.raises(ss.InputError, match=r"a Branch is given; .* export\(branch.points, 'branch.xlsx'\)"):
-        ss.export(branch, tmp_path / "branch.xlsx")
+        ss.studies.export(branch, tmp_path / "branch.xlsx")
 
 
 def test_a_sheet_that_is_too_long_says_what_to_type(run, tmp_path, monkeypatch):

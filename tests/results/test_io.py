@@ -154,7 +154,7 @@ def test_every_file_is_moved_into_place_when_it_is_whole(run, tmp_path, monkeypa
         "page.html": lambda path: write(path, ""),
     }
     writers |= {f"figure{suffix}": lambda path: draw_to(path, Figure()) for suffix in (".png", ".svg", ".pdf")}
-    writers |= {f"data{suffix}": lambda path: ss.export(data, path) for suffix in (".nc", ".mat", ".csv")}
+    writers |= {f"data{suffix}": lambda path: ss.studies.export(data, path) for suffix in (".nc", ".mat", ".csv")}
 
     def full(*arguments, **more):
         raise OSError(28, "No space left on device")

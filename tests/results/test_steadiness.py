@@ -38,7 +38,7 @@ def weakly_damped():
 def test_every_mean_that_is_off_is_said_to_be(asked):
     """1900 level robots against the closed formula: none that is off by more than 1e-6 is called steady."""
     robots = level_robots(1900, seed=1)
-    true, many = ss.periodic_mean_velocity(robots), ss.solve(robots, keep="summary", **asked)
+    true, many = ss.analysis.periodic_mean_velocity(robots), ss.solve(robots, keep="summary", **asked)
     off = abs(many.mean_velocity / true - 1) > CLOSE
     assert off.sum() > 500 and (many.steadiness[off] == UNSETTLED).all()
     assert (many.steadiness[~off] != STEADY).sum() <= (0.04 if asked.get("settle") == "auto" else 0.0) * len(off)
@@ -49,8 +49,8 @@ def test_every_mean_that_is_off_is_said_to_be(asked):
 
 def test_a_run_that_has_not_settled_says_so_and_what_to_type(weakly_damped):
     (note,) = weakly_damped.notes
-    assert "has not settled" in note and "ss.periodic_mean_velocity(robot, periods=" in note and "type more periods" in note
-    true = float(ss.periodic_mean_velocity(weakly_damped.model))
+    assert "has not settled" in note and "ss.analysis.periodic_mean_velocity(robot, periods=" in note and "type more periods" in note
+    true = float(ss.analysis.periodic_mean_velocity(weakly_damped.model))
     assert weakly_damped.steadiness.error == pytest.approx(abs(weakly_damped.steadiness.mean_velocity - true), rel=0.2)
 
 
@@ -61,10 +61,14 @@ def test_where_a_note_recommends_the_steady_motion_itself_there_is_one(law):
     for mu, periods in itertools.product((2e-4, 2e-3, 2e-2, 0.2), (3, 12, 60, 200)):
         rig = ss.presets.piezo_rig(tilt_deg=float(np.degrees(np.arctan(0.3 * mu))), amplitude=6e-4, mu0=mu, law=law)
         note = ss.solve(rig, periods=periods).steadiness.note
-        typed = re.search(r"ss\.periodic_mean_velocity\(robot(?:, periods=(\d+))?\)", note)
+        typed = re.search(r"ss\.analysis\.periodic_mean_velocity\(robot(?:, periods=(\d+))?\)", note)
         if typed:
             recommended += 1
-            assert np.isfinite(ss.periodic_mean_velocity(rig, **({"periods": int(typed[1])} if typed[1] else {}))), (mu, periods, note)
+            assert np.isfinite(ss.analysis.periodic_mean_velocity(rig, **({"periods": int(typed[1])} if typed[1] else {}))), (
+                mu,
+                periods,
+                note,
+            )
         assert bool(note) == (ss.solve(rig, periods=periods).steadiness.code == UNSETTLED)
     assert recommended > 0
 

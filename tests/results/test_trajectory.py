@@ -144,9 +144,10 @@ def test_a_summary_gives_its_columns_by_name_and_as_a_dataset():
 
 
 def test_the_help_of_a_run_lists_every_column_with_its_unit_and_meaning():
-    told = [re.split(r"  +", line.strip(), maxsplit=2) for line in ss.Trajectory.__doc__.splitlines()]
+    told = [re.split(r"  +", line.strip(), maxsplit=2) for line in ss.results.Trajectory.__doc__.splitlines()]
     listed = [tuple(row) for row in told if row[0] in COLUMNS]
     assert listed == [(name, VARIABLES[name].unit, VARIABLES[name].long_name) for name in COLUMNS]
     assert all(
-        f"[{VARIABLES[name].unit}]" in (getattr(ss.Trajectory, name).__doc__ or "") for name in ("t", "x", "v", "slip", "load", "xi")
+        f"[{VARIABLES[name].unit}]" in (getattr(ss.results.Trajectory, name).__doc__ or "")
+        for name in ("t", "x", "v", "slip", "load", "xi")
     )

@@ -73,7 +73,9 @@ def test_a_run_without_a_period_promises_no_certain_digits():
 def test_digits_of_a_transient_mean_are_said_to_be_that_first():
     """alpha = 1e-3 takes thousands of periods to settle: the judges agree on a mean that is not that of the steady motion."""
     slow, steady = (check(ss.presets.coulomb_robot(a, 2 * a), rk4_steps=(), scipy=False) for a in (1e-3, 0.3))
-    assert slow.digits > 8 and abs(slow.mean_velocity - float(ss.periodic_mean_velocity(ss.presets.coulomb_robot(1e-3, 2e-3)))) > 0.1
+    assert (
+        slow.digits > 8 and abs(slow.mean_velocity - float(ss.analysis.periodic_mean_velocity(ss.presets.coulomb_robot(1e-3, 2e-3)))) > 0.1
+    )
     assert "mean velocity of a transient" in slow.verdict[:60] and "transient" in str(slow).splitlines()[0]
     assert steady.transient == "" and "transient" not in str(steady)
 
@@ -81,7 +83,7 @@ def test_digits_of_a_transient_mean_are_said_to_be_that_first():
 def test_what_is_left_of_a_transient_is_said_of_a_mean_with_more_digits():
     """To 1e-6 the mean is steady; the judges agree on more digits than that, which are those of a run of this length."""
     robot = ss.presets.coulomb_robot(0.03, 0.08)
-    true = float(ss.periodic_mean_velocity(robot))
+    true = float(ss.analysis.periodic_mean_velocity(robot))
     checked = [check(robot, periods=n, rk4_steps=(), scipy=False) for n in (40, 80, 160, 320, 640)]
     for told in checked:
         far = abs(told.mean_velocity - true) > 0.5 * 10.0 ** -min(told.digits, 12) * abs(true)

@@ -361,7 +361,7 @@ def rig(drive, mu=(0.15, 0.25), ratio=0.1315):
 @pytest.mark.parametrize(("u1", "u2", "velocity"), [(0.1, 0.1, 0.000470057764186), (0.05, 0.4, 0.003305)])
 def test_two_phase_drives_move_as_on_paper(u1, u2, velocity):
     """D1, both phases end at rest: V = J^2 (1/mu+ - 1/mu-)/(2 g T). D2, the fast phase ends sliding."""
-    run = plain(rig(ss.TwoPhase(stroke=0.01, u1=u1, u2=u2)), periods=6)
+    run = plain(rig(ss.drives.TwoPhase(stroke=0.01, u1=u1, u2=u2)), periods=6)
     assert ss.mean_velocity(run) == pytest.approx(velocity, rel=1e-11)
     balance = ss.energy(run)
     assert balance.actuator[-1] == pytest.approx(balance.friction[-1], rel=1e-11) and abs(balance.residual).max() < 1e-11
@@ -373,7 +373,7 @@ def test_three_phase_drives_move_as_on_paper():
     u3 = u1 * math.sqrt((1 / w1 + 1 / w2) / (1 / w2 + 1 / w3))
     a2, a3 = ratio * w2 - 0.15 * g, ratio * w3 + 0.15 * g
     v2, T = a2 * (u1 + u3) / w2, u1 / w1 + (u1 + u3) / w2 + u3 / w3
-    run = plain(rig(ss.ThreePhase(u1=u1, w1=w1, w2=w2, w3=w3)), periods=4)
+    run = plain(rig(ss.drives.ThreePhase(u1=u1, w1=w1, w2=w2, w3=w3)), periods=4)
     assert ss.mean_velocity(run) == pytest.approx(v2**2 * (1 / a2 + 1 / a3) / (2 * T), rel=1e-11)
     assert ss.mean_velocity(run) == pytest.approx(0.015990705704, abs=5e-13)
 
@@ -384,7 +384,7 @@ def test_a_load_in_step_with_the_motion_drives_the_body(sign):
     ratio, omega, epsilon, b = 0.1315, 300.0, 0.002, 0.5
     a = ratio * 1e-3 * omega  # amplitude of the free body's velocity, -a cos(omega t)
     lift = b * 9.81 / (ratio * omega**2)
-    drive = ss.VerticalVibration(ss.Harmonic(amplitude=1e-3, omega=omega), amplitude=lift, phase=-sign * math.pi / 2)
+    drive = ss.drives.VerticalVibration(ss.Harmonic(amplitude=1e-3, omega=omega), amplitude=lift, phase=-sign * math.pi / 2)
     mu = epsilon * a * omega / 9.81
     run = plain(rig(drive, mu=(mu, mu)), periods=40, start={"v": a * (0.435 * sign - 1)}, rtol=1e-8, samples=4)
     assert (run.strobe_x[-1] - run.strobe_x[20]) / (20 * run.period_time) / a == pytest.approx(0.435130859037 * sign, abs=5e-3)

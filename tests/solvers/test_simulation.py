@@ -18,6 +18,7 @@ from stickslip.models.mechanics import parts_of
 from stickslip.models.pushed import PushedBody, PushedParts, force_names, pushed
 from stickslip.models.switching_flow import is_flow
 from stickslip.solvers.flow_engine import follow_flow
+from stickslip.solvers.simulation import Simulation
 
 #: Steps of laws without inner states are exact to rounding; those of others to this tolerance, which errors exceed by the growth of a
 #: disturbance over the run.
@@ -175,7 +176,7 @@ def test_what_follows_a_snapshot_or_a_file_is_the_same_to_the_last_bit(name, tmp
     inputs, first = sim.inputs, stepped(sim, T, {next(iter(jump)): 0.2})
     sim.restore(before)
     assert (sim.t, sim.inputs) == (before.t, inputs) and stepped(sim, T, {next(iter(jump)): 0.2}) == first
-    loaded = ss.Simulation.load(path, machine=None if name in ("Robot", "Joint", "Chain, LuGre") else machine)
+    loaded = Simulation.load(path, machine=None if name in ("Robot", "Joint", "Chain, LuGre") else machine)
     assert (loaded.t, loaded.inputs) == (before.t, inputs) and stepped(loaded, T, {next(iter(jump)): 0.2}) == first
 
 
@@ -185,7 +186,7 @@ def test_a_file_of_another_version_goes_on_from_its_state(tmp_path):
     sim.step(0.7 * machine.period, inputs={"force on module 1": 0.05})
     table = json.loads(sim.save(tmp_path / "sim.json").read_text())
     (tmp_path / "other.json").write_text(json.dumps(table | {"kernel": "another", "lane": []}))
-    loaded = ss.Simulation.load(tmp_path / "other.json")
+    loaded = Simulation.load(tmp_path / "other.json")
     for _ in range(5):
         there, here = loaded.step(0.4 * machine.period), sim.step(0.4 * machine.period)
     assert np.allclose(there["v"], here["v"], rtol=0.0, atol=1e-12) and loaded.t == sim.t
@@ -207,13 +208,13 @@ def test_a_file_that_is_none_or_damaged_or_of_another_machine_is_refused(tmp_pat
     for text in texts:
         (tmp_path / "bad.json").write_text(text)
         with pytest.raises(ss.InputError, match=r"load: .*bad\.json' (is damaged|holds no simulation|has format 99)"):
-            ss.Simulation.load(tmp_path / "bad.json")
+            Simulation.load(tmp_path / "bad.json")
     with pytest.raises(ss.InputError, match=r"body_mass = 0\.1 in the machine given, and 0\.06259 in"):
-        ss.Simulation.load(path, machine=SHAKEN.replace(body_mass=0.1))
+        Simulation.load(path, machine=SHAKEN.replace(body_mass=0.1))
     with pytest.raises(ss.InputError, match="holds a simulation of a Robot, and the machine given is a Joint"):
-        ss.Simulation.load(path, machine=ARM)
+        Simulation.load(path, machine=ARM)
     with pytest.raises(ss.InputError, match="holds a simulation of a SwitchingFlow, which no file can hold; type"):
-        ss.Simulation.load(flow)
+        Simulation.load(flow)
     with pytest.raises(ss.InputError, match=r"ends in '\.nc'; allowed is \.json"):
         ss.simulation(SHAKEN).save(tmp_path / "sim.nc")
 
@@ -242,7 +243,7 @@ def test_a_contact_that_an_input_tears_off_slips_from_that_instant():
 
 def test_a_flow_with_a_contact_is_torn_off_by_its_belt_as_the_machine_is():
     block = every_machine["BlockOnBelt"][0]
-    contact = ss.FlowContact(slip=lambda t, y, n: y[1] - n.speed, friction=block.friction, load=1.0)
+    contact = ss.machines.FlowContact(slip=lambda t, y, n: y[1] - n.speed, friction=block.friction, load=1.0)
     field = lambda t, y, R, n: (y[1], -2.0 * y[0] - R.belt)  # noqa: E731
     flow = ss.SwitchingFlow(field, numbers={"speed": 0.1}, states=("x", "v"), contacts={"belt": contact})
     sims = ss.simulation(flow, {"x": 0.0, "v": 0.1}), ss.simulation(block, {"x": 0.0, "v": 0.1})
@@ -276,7 +277,7 @@ def test_a_step_that_cannot_be_made_says_so_and_loses_nothing():
     state = ball.step(5.0)
     rest = math.sqrt(2 / 9.81) * (1 + 2 * 0.5 / (1 - 0.5))
     assert ball.status.startswith("its switches accumulate") and np.isclose(ball.t, rest, rtol=1e-9) and state["height"] < 1e-9
-    vertical = ss.VerticalVibration(ss.Harmonic(amplitude=6e-4, omega=200.0), amplitude=4e-3)
+    vertical = ss.drives.VerticalVibration(ss.Harmonic(amplitude=6e-4, omega=200.0), amplitude=4e-3)
     lost = ss.simulation(ss.Robot(0.06, 0.01, vertical, ss.Coulomb(0.15, 0.21)))
     lost.step(1.0)
     at = lost.t

@@ -106,7 +106,7 @@ def test_a_body_comes_to_rest_at_the_instant_of_an_impulse(late):
     """It slides u2-phase long, t2 = J/(mu g), and is thrown again at that instant: J = mu (u1 + u2)."""
     ratio, g, (u1, u2), (plus, minus) = 0.1315, 9.81, (0.05, 0.4), (0.15, 0.25)
     sliding = ratio * (u1 + u2) / (plus * g)
-    drive = ss.TwoPhase(stroke=u2 * sliding * (1 + late), u1=u1, u2=u2)
+    drive = ss.drives.TwoPhase(stroke=u2 * sliding * (1 + late), u1=u1, u2=u2)
     robot = ss.Robot(body_mass=1 - ratio, inner_mass=ratio, drive=drive, friction=dry(plus, minus))
     run = ss.solve(robot, periods=8, samples=4)
     slides = ratio**2 * (u1 + u2) ** 2 / (2 * g)  # times 1/mu: the whole slide of a throw
@@ -151,7 +151,7 @@ def test_a_force_that_only_just_reaches_the_static_limit_moves_nothing(arcs):
 
 def test_a_condition_on_time_alone_is_found_inside_a_long_step():
     """Held by Karnopp's law nothing limits the step. It breaks away where sin wt = f; v' = sin wt - f in the band, sin wt - mu beyond."""
-    w, law = 3.0, ss.Karnopp(0.5, 0.5, 0.8, 0.8, width=0.01)
+    w, law = 3.0, ss.friction.Karnopp(0.5, 0.5, 0.8, 0.8, width=0.01)
     run = ss.solve(unit(law, ss.Harmonic(amplitude=2 / w**2, omega=w)), periods=1, rtol=1e-9)
     away = math.asin(0.8) / w
 
@@ -331,7 +331,7 @@ def test_events_of_stribeck_friction_are_where_a_series_of_twenty_digits_has_the
 
 def lifted(b, law, phase=0.4):
     """The load is W (1 + b sin(omega t + phase))."""
-    drive = ss.VerticalVibration(ss.Harmonic(amplitude=4e-4, omega=200.0), amplitude=0.0, phase=phase + math.pi)
+    drive = ss.drives.VerticalVibration(ss.Harmonic(amplitude=4e-4, omega=200.0), amplitude=0.0, phase=phase + math.pi)
     robot = ss.Robot(body_mass=0.0626, inner_mass=0.0095, drive=drive, friction=law)
     return robot.replace({"drive.amplitude": b * robot.total_mass * robot.gravity / (robot.inner_mass * 200.0**2)})
 

@@ -17,6 +17,7 @@ import xarray as xr
 
 import stickslip as ss
 from pairs import each_once
+from stickslip.basics.errors import StickslipError
 from stickslip.show.cli import main
 from stickslip.studies import folder as folders
 
@@ -146,11 +147,11 @@ def test_shards_together_are_the_study(whole, tmp_path):
         ss.sweep(RIG, **AXES, out=tmp_path / f"part{i}", shard=(i, 7), workers=1 + i % 2)
     parts = [tmp_path / f"part{i}" for i in range(1, 8)]
     with pytest.raises(ss.InputError, match=r"5 of 40 tiles are in none of the folders \(number 6, 13, 20, 27, 34\)"):
-        ss.merge(parts[:6], tmp_path / "merged")
-    merged = ss.merge(parts, tmp_path / "merged")
+        ss.studies.merge(parts[:6], tmp_path / "merged")
+    merged = ss.studies.merge(parts, tmp_path / "merged")
     assert files(tmp_path / "merged") == files(whole)
     xr.testing.assert_identical(merged, ss.open_study(whole))
-    assert int((ss.merge(parts[:6], tmp_path / "some", partial=True).status == 101).sum()) == 100
+    assert int((ss.studies.merge(parts[:6], tmp_path / "some", partial=True).status == 101).sum()) == 100
 
 
 def test_shards_may_share_a_folder(whole, tmp_path):
@@ -265,7 +266,11 @@ def test_other_equations_of_a_part_of_ones_own_are_another_study(tmp_path, chang
         spec.loader.exec_module(own)
         law, drive, track = own.Mine(0.2), own.Shaken(5e-4, 200.0), own.Slope()
         if inside:
-            law, drive, track = ss.Sum(law, ss.Viscous(0.1, 0.1)), ss.Reversed(drive), ss.VaryingFriction(track, depth=0.2)
+            law, drive, track = (
+                ss.friction.Sum(law, ss.Viscous(0.1, 0.1)),
+                ss.drives.Reversed(drive),
+                ss.tracks.VaryingFriction(track, depth=0.2),
+            )
         robot = ss.Robot(body_mass=0.06, inner_mass=0.01, drive=drive, friction=law, track=track)
         return ModelIdentities(planned(robot, (), {"gravity": [9.8, 9.81]}, None, None, None, **SOLVER)).of_tiles([0])
 
@@ -303,7 +308,7 @@ def test_a_full_disk_is_told_and_can_be_resumed(whole, tmp_path, monkeypatch):
         real(handle)
 
     monkeypatch.setattr(folders.os, "fsync", full)
-    with pytest.raises(ss.StickslipError, match=r"the disk is full, .*resume=True"):
+    with pytest.raises(StickslipError, match=r"the disk is full, .*resume=True"):
         ss.sweep(RIG, **AXES, out=study)
     monkeypatch.undo()
     assert len(files(study)) == 6  # five tiles and the axes: nothing half written
@@ -350,7 +355,7 @@ def test_export_to_each_format(whole, tmp_path):
 
     grid = ss.open_study(whole)
     for suffix in (".nc", ".mat", ".csv"):
-        assert ss.export(whole, tmp_path / f"grid{suffix}").exists()
+        assert ss.studies.export(whole, tmp_path / f"grid{suffix}").exists()
     again = ss.open_study(tmp_path / "grid.nc")
     xr.testing.assert_identical(again.drop_attrs(deep=False), grid.drop_attrs(deep=False))
     mat = loadmat(tmp_path / "grid.mat", squeeze_me=True)
@@ -360,7 +365,7 @@ def test_export_to_each_format(whole, tmp_path):
     assert len(lines) == 801 and lines[0].startswith("law,amplitude [m],omega [rad/s]") and lines[-1].startswith("lugre,0.0008,300.0")
     assert not [p for p in tmp_path.iterdir() if p.name.startswith(".")]
     with pytest.raises(ss.InputError, match=r"allowed are \.nc"):
-        ss.export(whole, tmp_path / "grid.ods")
+        ss.studies.export(whole, tmp_path / "grid.ods")
 
 
 def test_what_is_exported_comes_back_as_it_was(tmp_path):
@@ -374,11 +379,13 @@ def test_what_is_exported_comes_back_as_it_was(tmp_path):
         twice=2 * grid.mean_velocity, best=grid.mean_velocity.max("amplitude"), fast=grid.mean_velocity > 1e-3, named=("oil", ["µ", ""])
     )
     grid = grid.assign_coords(lubricated=("oil", [True, False]))
-    back = ss.open_study(ss.export(grid, tmp_path / "grid.nc"))
+    back = ss.open_study(ss.studies.export(grid, tmp_path / "grid.nc"))
     xr.testing.assert_identical(back.drop_attrs(deep=False), grid.drop_attrs(deep=False))
     assert back.wet.values.tolist() == [None, True] and back.oil.values.tolist() == ["Öl", "масло"] and back.fast.dtype == bool
     some = grid[["mean_velocity", "status"]].isel(amplitude=0)
-    xr.testing.assert_identical(ss.open_study(ss.export(some, tmp_path / "some.nc")).drop_attrs(deep=False), some.drop_attrs(deep=False))
+    xr.testing.assert_identical(
+        ss.open_study(ss.studies.export(some, tmp_path / "some.nc")).drop_attrs(deep=False), some.drop_attrs(deep=False)
+    )
     kept = ss.sweep(maker, amplitude=[4e-4, 6e-4], oil=["Öl", "масло"], wet=[None, True], out=tmp_path / "study")
     assert kept.wet.values.tolist() == [None, True] and kept.oil.values.tolist() == ["Öl", "масло"]
 
@@ -392,26 +399,26 @@ def test_export_takes_any_dataset(tmp_path):
         {"A": [3e-4, 4e-4], "oil": ("A", ["", "Öl"]), "wet": ("A", np.array([None, True], object))},
     )
     for data in (diagram, diagram[["v"]]):
-        lines = ss.export(data, tmp_path / "diagram.csv").read_text(encoding="utf-8").splitlines()
+        lines = ss.studies.export(data, tmp_path / "diagram.csv").read_text(encoding="utf-8").splitlines()
         assert lines[0].startswith("A,point,oil,wet,") and lines[0].endswith("v [m/s]") and len(lines) == 5
         assert lines[4].startswith("0.0004,1,Öl,True,") and lines[4].endswith("4.0") and lines[2].endswith("nan")
-    mat = loadmat(ss.export(diagram, tmp_path / "diagram.mat"), squeeze_me=True)
+    mat = loadmat(ss.studies.export(diagram, tmp_path / "diagram.mat"), squeeze_me=True)
     assert mat["v"].shape == (2, 2) and mat["oil"][1] == "Öl" and mat["wet"][0].size == 0 and mat["wet"][1]
     plain = diagram.drop_vars("wet")
-    xr.testing.assert_equal(xr.load_dataset(ss.export(plain, tmp_path / "plain.nc")), plain)
+    xr.testing.assert_equal(xr.load_dataset(ss.studies.export(plain, tmp_path / "plain.nc")), plain)
     with pytest.raises(ss.InputError, match="cannot be kept in a netCDF file"):
-        ss.export(diagram.assign(odd=("A", np.array([{}, []], object))), tmp_path / "diagram.nc")
+        ss.studies.export(diagram.assign(odd=("A", np.array([{}, []], object))), tmp_path / "diagram.nc")
     one = xr.Dataset({"exponent": ((), -0.5)})
-    assert ss.export(one, tmp_path / "one.csv").read_text().splitlines() == ["exponent", "-0.5"]
+    assert ss.studies.export(one, tmp_path / "one.csv").read_text().splitlines() == ["exponent", "-0.5"]
     for bad, told in (
         (diagram.v, "a DataArray is given; allowed is a study folder"),
         (xr.Dataset(), "no columns"),
         (None, "None is given"),
     ):
         with pytest.raises(ss.InputError, match=told):
-            ss.export(bad, tmp_path / "bad.csv")
+            ss.studies.export(bad, tmp_path / "bad.csv")
     with pytest.raises(ss.InputError, match=r"export: cannot write .*that folder does not exist; make it first"):
-        ss.export(one, tmp_path / "nowhere" / "one.csv")
+        ss.studies.export(one, tmp_path / "nowhere" / "one.csv")
 
 
 def test_export_to_parquet_says_what_to_install(whole, tmp_path, monkeypatch):
@@ -420,12 +427,12 @@ def test_export_to_parquet_says_what_to_install(whole, tmp_path, monkeypatch):
     except ImportError:
         pass
     else:
-        table = pq.read_table(ss.export(whole, tmp_path / "grid.parquet"))
+        table = pq.read_table(ss.studies.export(whole, tmp_path / "grid.parquet"))
         assert table.num_rows == 800 and set(table["law"].to_pylist()) == {"coulomb", "lugre"}
         assert table["mean_velocity"].to_pylist() == ss.open_study(whole).mean_velocity.values.ravel().tolist()
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     with pytest.raises(ss.InputError, match=r'pip install "stickslip\[parquet\]"'):
-        ss.export(whole, tmp_path / "other.parquet")
+        ss.studies.export(whole, tmp_path / "other.parquet")
 
 
 # the command line ----------------------------------------------------------------------------------------------------

@@ -202,7 +202,7 @@ def law_that_starts_elsewhere(factor):
 
 
 def pieces(factor):
-    return of_law(ss.Coulomb(0.15, 0.21), ss.BangBang(a1=5.0 * factor, a2=3.0, period=0.03))
+    return of_law(ss.Coulomb(0.15, 0.21), ss.drives.BangBang(a1=5.0 * factor, a2=3.0, period=0.03))
 
 
 def own_drive(factor):
@@ -376,7 +376,7 @@ def test_no_door_mixes_models(tmp_path, way):
     for i in (2, 3):
         ss.sweep(make(0.5), **options, out=tmp_path / str(i), shard=(i, 3))
     with pytest.raises(ss.InputError, match="is of another study than"):
-        ss.merge([tmp_path / "one", tmp_path / "2", tmp_path / "3"], tmp_path / "whole")
+        ss.studies.merge([tmp_path / "one", tmp_path / "2", tmp_path / "3"], tmp_path / "whole")
     stolen = (tmp_path / "3" / "tiles" / "0000002.nc").read_bytes()
     (tmp_path / "one" / "tiles" / "0000002.nc").write_bytes(stolen)
     with pytest.raises(ss.InputError, match="is damaged"):
@@ -390,7 +390,7 @@ def test_shards_are_not_merged_into_a_folder_of_another_model(tmp_path):
     ss.sweep(closure(1.0), **options, out=tmp_path / "whole", shard=(1, 2))
     ss.sweep(closure(0.5), **options, out=tmp_path / "half", shard=(2, 2))
     with pytest.raises(ss.InputError, match="is of another study than"):
-        ss.merge([tmp_path / "half"], tmp_path / "whole")
+        ss.studies.merge([tmp_path / "half"], tmp_path / "whole")
 
 
 def test_a_maker_that_changes_its_mind_on_the_way_keeps_nothing_wrong(tmp_path, monkeypatch):
@@ -566,7 +566,7 @@ def test_a_folder_of_format_2_is_opened_and_merged_with_a_note_and_not_gone_on_w
         content = path.read_bytes().partition(b"\nstickslip models ")[0]
         path.write_bytes(sealed_bytes(content, mark_of(old, f"tile {int(path.stem)}")))
     (tmp_path / "study" / "manifest.json").write_text(json.dumps({**old, SEAL: of_manifest(old)}))
-    for grid in (ss.open_study(tmp_path / "study"), ss.merge([tmp_path / "study"], tmp_path / "merged")):
+    for grid in (ss.open_study(tmp_path / "study"), ss.studies.merge([tmp_path / "study"], tmp_path / "merged")):
         assert any("whether all results are of one model is unchecked" in note for note in json.loads(grid.attrs["notes"]))
         np.testing.assert_array_equal(grid.mean_velocity.values, whole.mean_velocity.values)
     with pytest.raises(ss.InputError, match="which did not record the models of each tile"):

@@ -21,7 +21,7 @@ def capsule(law: str, d: Draw) -> Any:
     stops = tuple(_stop(d, size, inner * omega**2, side) for side in ((), (1,), (-1,), (1, -1))[int(d.choice.integers(4))])
     sprung = len(stops) < 2 or d.choice.random() < 0.5
     stiffness = inner * omega**2 * d.wide(0.1, 10) if sprung else 0.0 * inner
-    drive = ss.Forced(
+    drive = ss.machines.Forced(
         _force(d, push, period), stiffness=stiffness, damping=inner * omega * d.sometimes(d.wide(1e-3, 0.5)), stops=stops,
         reaction=bool(d.choice.random() < 0.7),
     )  # fmt: skip
@@ -33,7 +33,7 @@ def _force(d: Draw, push: Any, period: Any) -> Any:
     if which == 0:
         return ss.HarmonicForce(amplitude=push, omega=omega, phase=d.uniform(-np.pi, np.pi))
     if which == 1:
-        return ss.Pulses(push, period=period, duty=d.uniform(0.1, 0.9))
+        return ss.drives.Pulses(push, period=period, duty=d.uniform(0.1, 0.9))
     second = ss.HarmonicForce(push * d.uniform(0.1, 0.7), 2 * omega, d.uniform(-np.pi, np.pi))
     return ss.HarmonicForce(push, omega, d.uniform(-np.pi, np.pi)) + second
 
@@ -51,4 +51,4 @@ def _track(d: Draw, size: Any) -> Any:
         return ss.Level()
     if which < 0.8:
         return ss.Incline(tilt=d.uniform(-0.03, 0.03))
-    return ss.FrictionWave(ss.Level(), wavelength=size * d.wide(0.3, 3), cosines=(0.0 * size,), sines=(d.uniform(0.05, 0.6),))
+    return ss.tracks.FrictionWave(ss.Level(), wavelength=size * d.wide(0.3, 3), cosines=(0.0 * size,), sines=(d.uniform(0.05, 0.6),))

@@ -112,15 +112,15 @@ def _two_sines(d: Draw, stroke: Any, period: Any) -> Any:
 
 def _two_pieces(d: Draw, stroke: Any, period: Any) -> Any:
     first, size = d.uniform(0.2, 0.8), 8 * stroke / period**2
-    return ss.Pieces(durations=(first * period, (1 - first) * period), accelerations=(size * (1 - first), -size * first))
+    return ss.drives.Pieces(durations=(first * period, (1 - first) * period), accelerations=(size * (1 - first), -size * first))
 
 
 def _pieces(d: Draw, stroke: Any, period: Any) -> Any:
     shares, sizes = d.shares(4), [d.uniform(-1.0, 1.0) for _ in range(4)]
     mean, size = sum(s * a for s, a in zip(shares, sizes, strict=True)), 20 * stroke / period**2
-    return ss.Pieces(durations=tuple(s * period for s in shares), accelerations=tuple(size * (a - mean) for a in sizes))
+    return ss.drives.Pieces(durations=tuple(s * period for s in shares), accelerations=tuple(size * (a - mean) for a in sizes))
 
 
 def _saw(d: Draw, stroke: Any, period: Any) -> Any:
     rise = d.uniform(0.55, 0.95)
-    return ss.Sawtooth(stroke=stroke, rise=rise * period, fall=(1 - rise) * period)
+    return ss.drives.Sawtooth(stroke=stroke, rise=rise * period, fall=(1 - rise) * period)

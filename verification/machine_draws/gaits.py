@@ -20,9 +20,9 @@ def worm(law: str, d: Draw) -> Any:
     rubs = friction(law, sized(d, mass, stroke * omega / 2, omega, 9.81 * mass))
     wave = motion(d, stroke, period, jumps=not remembers(law) and d.choice.random() < 0.3)
     lag = 2 * np.pi / count * (1.0 + 0.0 * mass) if alike and d.choice.random() < 0.5 else d.uniform(-np.pi, np.pi)
-    gait = ss.Gait(wave, lag=lag, length=0.05 * d.uniform(0.0, 1.0))
+    gait = ss.machines.Gait(wave, lag=lag, length=0.05 * d.uniform(0.0, 1.0))
     link = gait if count == 2 or d.choice.random() < 0.5 else (gait, *(_link(d, gait, mass, omega) for _ in range(count - 2)))
-    return ss.Chain(ss.Bodies(mass=masses, count=count, friction=rubs), link=link)
+    return ss.Chain(ss.machines.Bodies(mass=masses, count=count, friction=rubs), link=link)
 
 
 def _link(d: Draw, gait: Any, mass: Any, omega: Any) -> Any:
@@ -30,7 +30,7 @@ def _link(d: Draw, gait: Any, mass: Any, omega: Any) -> Any:
     if which < 0.4:
         return gait
     if which < 0.5:
-        return ss.Rigid()
+        return ss.machines.Rigid()
     stiffness = mass * omega**2 * d.wide(0.1, 30)
     damping = np.sqrt(stiffness * mass) * d.sometimes(d.wide(1e-2, 1.0))
     return ss.Spring(stiffness=stiffness, damping=damping, length=0.05 * d.uniform(0.0, 1.0))

@@ -44,7 +44,7 @@ def _control(d: Draw, inertia: Any, swing: Any, sample: float | None) -> Any:
     speed = 2 * np.pi * d.uniform(1.0, 2.5)  # at which the loop closes: a tenth of what samples allow
     gains = {"kp": inertia * speed**2, "ki": d.sometimes(inertia * speed**3 * 0.1), "kd": inertia * speed * d.uniform(0.5, 1.5)}
     side = ("joint", "motor")[int(d.choice.integers(2))]
-    return ss.PID(
+    return ss.machines.PID(
         **gains, target=_target(d, swing), sample=None if sample is None else sample * (1.0 + 0.0 * inertia),
         feedforward=0.02 * d.sometimes(1.0 + 0.0 * inertia), feedback=side,
     )  # fmt: skip

@@ -19,7 +19,7 @@ def robot(law: str, d: Draw) -> Any:
     drives = tuple(motion(d, stroke, period / int(d.choice.integers(1, 4)), jumps) for _ in range(count))
     if d.choice.random() < 0.3:
         amplitude = d.uniform(0.1, 2.0) * 9.81 * (drives[0].period / (2 * np.pi)) ** 2
-        drives = (ss.VerticalVibration(drives[0], amplitude=amplitude, phase=d.uniform(0, 6.28), harmonic=1), *drives[1:])
+        drives = (ss.drives.VerticalVibration(drives[0], amplitude=amplitude, phase=d.uniform(0, 6.28), harmonic=1), *drives[1:])
     omega = 2 * np.pi / period
     rubs = friction(law, sized(d, total, sum(ratios) * stroke * omega / 2, omega, 9.81 * total, 0.3))
     inner, drive = (tuple(total * r for r in ratios), drives) if count > 1 else (total * ratios[0], drives[0])
@@ -32,9 +32,9 @@ def _track(d: Draw, stroke: Any) -> Any:
     length = stroke * d.wide(0.05, 3)
     factors = tuple(d.uniform(0.4, 1.5) for _ in range(3))
     if which == 0:
-        return ss.FrictionWave(level, wavelength=length, cosines=(0.0 * length,), sines=(d.uniform(0.05, 0.6),))
+        return ss.tracks.FrictionWave(level, wavelength=length, cosines=(0.0 * length,), sines=(d.uniform(0.05, 0.6),))
     if which == 1:
-        return ss.FrictionPatches(level, edges=(0.0 * length, length * 0.4), factors=factors[:2], wavelength=length)
+        return ss.tracks.FrictionPatches(level, edges=(0.0 * length, length * 0.4), factors=factors[:2], wavelength=length)
     if which == 2:
-        return ss.FrictionPatches(level, edges=(-length, length), factors=factors)
+        return ss.tracks.FrictionPatches(level, edges=(-length, length), factors=factors)
     return level

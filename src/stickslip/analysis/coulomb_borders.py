@@ -89,7 +89,7 @@ def coulomb_borders(grid: Grid, x: str | None = None, y: str | None = None) -> l
     --------
     >>> import numpy as np, stickslip as ss
     >>> grid = ss.map(ss.presets.piezo_rig, amplitude=np.linspace(2e-4, 8e-4, 30), tilt_deg=np.linspace(0.5, 4, 30), law="coulomb")
-    >>> curve = next(b for b in ss.coulomb_borders(grid) if b.types == ("III", "IV"))
+    >>> curve = next(b for b in ss.dynamics.coulomb_borders(grid) if b.types == ("III", "IV"))
     >>> round(float(np.interp(1.7, curve.y, curve.x)), 6)  # the amplitude at which resting ends, TRUTH P9
     0.000647
     """

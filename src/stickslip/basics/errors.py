@@ -56,7 +56,7 @@ class OneContactNeeded(InputError, AttributeError):
     --------
     >>> import stickslip as ss
     >>> try:
-    ...     ss.dimensionless(ss.Chain.example())
+    ...     ss.analysis.dimensionless(ss.Chain.example())
     ... except ss.InputError as error:
     ...     print(str(error)[:89])
     dimensionless: Chain has no friction of its own, because it lists its bodies and contacts

@@ -399,7 +399,9 @@ def example_in(cls: Any) -> Any:
     lacking = [f.name for f in dataclasses.fields(cls) if f.name not in given and f.default is nothing and f.default_factory is nothing]
     problems = Problems(cls.__name__)
     for name in lacking:
-        problems.add(f'{name} has no example; type {name}: float = field(metadata=ss.quantity("what it is", "its unit", example=1.0))')
+        problems.add(
+            f'{name} has no example; type {name}: float = field(metadata=ss.quantities.quantity("what it is", "its unit", example=1.0))'
+        )
     problems.check()
     return cls(**given)
 

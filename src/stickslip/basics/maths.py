@@ -15,12 +15,14 @@ from collections.abc import Callable
 from typing import Any
 
 from stickslip.basics.contracts import Numeric
+from stickslip.basics.lazy_names import listing
 
 __all__ = [
     "asinh", "atan", "cos", "cosh", "exp", "hypot", "is_symbol",
     "log", "maximum", "minimum", "pi", "sin", "sinh", "sqrt", "tanh", "where", "within",
     "wrapped",
 ]  # fmt: skip
+__dir__ = listing(__all__)
 
 pi = math.pi
 

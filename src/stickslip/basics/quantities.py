@@ -15,6 +15,10 @@ from typing import Any
 
 from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
+from stickslip.basics.lazy_names import listing
+
+__all__ = ["Rule", "at_least", "between", "positive", "quantity"]
+__dir__ = listing(__all__)
 
 
 @dataclass(frozen=True)

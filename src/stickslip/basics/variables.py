@@ -5,6 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from stickslip.basics.contracts import Model
+from stickslip.basics.lazy_names import listing
+
+__all__ = ["VARIABLES", "Variable", "in_units_of", "unit_of"]
+__dir__ = listing(__all__)
 
 
 @dataclass(frozen=True)

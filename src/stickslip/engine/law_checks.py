@@ -47,7 +47,7 @@ def explained(work: Any, model: Model) -> Any:
 
 _PLAIN = (
     "allowed are + - * / ** and the functions of stickslip.maths: no dictionary or list that is looked up by an argument, no text made of "
-    "one, no array that is filled in; write where(condition, yes, no), or ss.Tabulated for a table of friction against velocity"
+    "one, no array that is filled in; write where(condition, yes, no), or ss.friction.Tabulated for a table of friction against velocity"
 )
 
 

@@ -38,7 +38,7 @@ class TracedLaw:
         plain = adapted(law)
         if not plain.compiles:
             why = f"{plain.name} is solved in plain Python alone (it says scalar_only), so that its equations cannot be written down"
-            raise InputError("law", [f"{why}; allowed is a law that compiles; type for example ss.GMS.example()"])
+            raise InputError("law", [f"{why}; allowed is a law that compiles; type for example ss.friction.GMS.example()"])
         self.names, self._given = numbers_of(law), dict(leaves(law))
         self.law = own = adapted(replace_leaf(law, {name: graph.case(name) for name in self.names}))
         self.v, self.load, self.applied = (graph.variable(name) for name in ("v", "load", "applied"))

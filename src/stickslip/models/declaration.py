@@ -27,7 +27,7 @@ NOT_REPEATABLE = (
     "allowed are functions that give the same for the same arguments: no random draw, counter, clock or value stored by an earlier call; "
     "for noise draw phases once, outside of the function, and type a sum such as force=lambda t, x, v: a[0] * sin(w[0] * t + phase[0]) + "
     "a[1] * sin(w[1] * t + phase[1]), or a record: force=lambda t, x, v: record.at(t) with record = "
-    "ss.RecordedForce.from_samples(times, force=values, period=T); what has to be remembered is a state, of a law (rate) or of a "
+    "ss.drives.RecordedForce.from_samples(times, force=values, period=T); what has to be remembered is a state, of a law (rate) or of a "
     "controller (controllers())"
 )
 
@@ -284,5 +284,7 @@ def _misbraked(m: Mechanics, at: Arguments, forces: Sequence[float], without: Se
 
 
 _MANY = 16  # contacts that are asked one by one
-_BRAKING = "give the mass that it moves (total_mass), or write the system as an ss.SwitchingFlow with contacts={...} of ss.FlowContact"
+_BRAKING = (
+    "give the mass that it moves (total_mass), or write the system as an ss.SwitchingFlow with contacts={...} of ss.machines.FlowContact"
+)
 _ROUNDED = 1e-9  # of the accelerations

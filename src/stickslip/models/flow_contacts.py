@@ -96,7 +96,9 @@ def check_contacts(problems: Problems, contacts: Any, fields: Mapping[Any, Any])
     if contacts is None:
         return {}
     if not isinstance(contacts, Mapping) or not all(isinstance(each, FlowContact) for each in contacts.values()):
-        typed = 'contacts={"belt": ss.FlowContact(slip=lambda t, y: y[1], friction=ss.Coulomb(mu_plus=0.2, mu_minus=0.2), load=9.81)}'
+        typed = (
+            'contacts={"belt": ss.machines.FlowContact(slip=lambda t, y: y[1], friction=ss.Coulomb(mu_plus=0.2, mu_minus=0.2), load=9.81)}'
+        )
         problems.add(f"contacts = {contacts!r}; allowed is a dict of FlowContact by name; type {typed}")
         return {}
     for name in contacts:

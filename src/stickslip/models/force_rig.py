@@ -45,7 +45,7 @@ class ForceRig(Frozen):
     ...     way = min(max(way + x[k] - x[k - 1], -1e-4), 1e-4)
     ...     F[k] = 8.0 * np.sign(way) * (abs(way) == 1e-4)
     >>> rec = ss.Record.of(t, {"x [m]": x, "F [N]": F + np.random.default_rng(0).normal(0, 0.05, 4000)}, roles={"F": "force"})
-    >>> rig = ss.ForceRig(ss.Coulomb(0.1, 0.1), backlash=1e-4)
+    >>> rig = ss.machines.ForceRig(ss.Coulomb(0.1, 0.1), backlash=1e-4)
     >>> free = {"friction.mu_plus": (0.01, 1.0), "friction.mu_minus": (0.01, 1.0), "backlash": (0.0, 1e-3)}
     >>> fit = ss.identify(rec, rig, free=free, load=20.0, sensor={}, starts=8)
     >>> low, high = fit.interval("backlash")

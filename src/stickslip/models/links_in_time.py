@@ -83,7 +83,7 @@ def sees_time(link: Any) -> bool:
     Examples
     --------
     >>> import stickslip as ss
-    >>> sees_time(ss.Spring(1.0)), sees_time(ss.Link(force=lambda t, distance, rate: -t * distance))
+    >>> sees_time(ss.Spring(1.0)), sees_time(ss.machines.Link(force=lambda t, distance, rate: -t * distance))
     (False, True)
     """
     return not takes_arguments(link.force, ("distance", "rate"))

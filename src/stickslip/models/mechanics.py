@@ -284,7 +284,7 @@ def parts_of(model: Model) -> Any:
     Examples
     --------
     >>> import stickslip as ss
-    >>> robot = ss.Robot(0.2, 0.07, ss.Forced.example(), ss.Coulomb(mu_plus=0.2, mu_minus=0.3))
+    >>> robot = ss.Robot(0.2, 0.07, ss.machines.Forced.example(), ss.Coulomb(mu_plus=0.2, mu_minus=0.3))
     >>> list(parts_of(robot).bodies()), parts_of(ss.Chain.example()) == ss.Chain.example()
     (['body', 'inner'], True)
     """

@@ -45,10 +45,10 @@ def mirrored(robot: Model) -> Any:
     --------
     >>> import stickslip as ss
     >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4, law="coulomb-static", incline="gravity")
-    >>> turned = ss.mirrored(robot)
+    >>> turned = ss.dynamics.mirrored(robot)
     >>> turned.track.tilt == -robot.track.tilt, turned.acceleration(0.01, 0.0, 0.0, 0.0) == -robot.acceleration(0.01, 0.0, 0.0, 0.0)
     (True, True)
-    >>> ss.mirrored(ss.Chain.example()).phases == ss.Chain.example().phases[::-1]
+    >>> ss.dynamics.mirrored(ss.Chain.example()).phases == ss.Chain.example().phases[::-1]
     True
     """
     image = _image(robot)

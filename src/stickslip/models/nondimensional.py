@@ -113,7 +113,7 @@ class DimensionlessRobot(Frozen):
     Examples
     --------
     >>> import stickslip as ss
-    >>> form = ss.dimensionless(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4))
+    >>> form = ss.analysis.dimensionless(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4))
     >>> round(form.friction.k3, 6)
     1.394880
     """
@@ -186,7 +186,7 @@ def dimensionless(robot: Robot) -> DimensionlessRobot:
     --------
     >>> import stickslip as ss
     >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4)
-    >>> back = ss.dimensionless(robot).robot(6e-4, robot.drive.omega, robot.total_mass)
+    >>> back = ss.analysis.dimensionless(robot).robot(6e-4, robot.drive.omega, robot.total_mass)
     >>> bool(abs(back.friction.v_s - 2e-3) < 1e-15)
     True
     """

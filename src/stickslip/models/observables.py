@@ -50,7 +50,7 @@ class Observable:
 
 @dataclass(frozen=True, eq=False)
 class Derived:
-    """A column that is computed from the machines of a sweep after they are solved; made by `stickslip.derivative`.
+    """A column that is computed from the machines of a sweep after they are solved; made by `stickslip.optimisation.derivative`.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def checked_observables(what: str, observe: Any, taken: Any = (), derived: bool 
         if not (isinstance(name, str) and name.isidentifier()) or name in taken:
             problems.add(f"observe has {name!r}; allowed is a name of letters that no column and no axis has")
         if isinstance(each, Derived) and not derived:
-            problems.add(f"observe[{name!r}] is a derivative: a column of sweeps and maps; type ss.gradient(robot)")
+            problems.add(f"observe[{name!r}] is a derivative: a column of sweeps and maps; type ss.optimisation.gradient(robot)")
         elif not isinstance(each, Observable | Derived):
             problems.add(f"observe[{name!r}] = {each!r}; type ss.observable(lambda s: s.v**2) for one")
     problems.check()

@@ -19,8 +19,9 @@ from stickslip.models.drives.together import Together, common_cycles
 from stickslip.models.forces import check_law
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.tables import from_toml, record_html, to_toml
-from stickslip.models.tracks import Level, folded_tilt, grip_of, law_was_replaced, without_its_law
+from stickslip.models.tracks import Level
 from stickslip.models.tracks.profiles import place_grip_of
+from stickslip.models.tracks.tracks import folded_tilt, grip_of, law_was_replaced, without_its_law
 
 
 class _PartKinds:
@@ -89,7 +90,7 @@ class Robot(Frozen):
             kind = name.partition("[")[0]
             needs = (NEEDS if several else needs_of(part)) if kind == "drive" else ("across", "along")
             if lacking(part, needs):
-                typed = f"drive=ss.Forced({type(part).__name__}(...))" if not lacking(part, FORCE_NEEDS) else _PARTS[kind]
+                typed = f"drive=ss.machines.Forced({type(part).__name__}(...))" if not lacking(part, FORCE_NEEDS) else _PARTS[kind]
                 listed = "this is a list, and several inner masses are given as a tuple; " if isinstance(part, list) else ""
                 problems.add(f"{name} = {part!r}; {listed}allowed is an object with {', '.join(needs)}; type for example {typed}")
             elif not dataclasses.is_dataclass(part):

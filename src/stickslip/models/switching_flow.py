@@ -108,7 +108,7 @@ class SwitchingFlow:
     A block on a belt, whose friction force R brakes it:
 
     >>> import stickslip as ss
-    >>> belt = ss.FlowContact(slip=lambda t, y, n: y[1] - n.speed, friction=ss.Coulomb(mu_plus=0.2, mu_minus=0.2), load=9.81)
+    >>> belt = ss.machines.FlowContact(slip=lambda t, y, n: y[1] - n.speed, friction=ss.Coulomb(mu_plus=0.2, mu_minus=0.2), load=9.81)
     >>> field = lambda t, y, R, n: (y[1], -4.0 * y[0] - R.belt)
     >>> block = SwitchingFlow(field, numbers={"speed": 0.1}, states=("x", "v"), contacts={"belt": belt})
     >>> block.modes

@@ -2,7 +2,7 @@
 
 A segment is a duration in drive periods with a code: +2 and -2 slipping forwards and backwards, 0 stuck at v = 0
 (set-valued laws), +1 and -1 elastic with v > 0 and v < 0 (dynamic laws, which never rest). What the words mean stands in
-docs/quickstart.md and at `stickslip.Motion`; these are the rules:
+docs/quickstart.md and at `stickslip.analysis.Motion`; these are the rules:
 
 - consecutive elastic segments count as stuck if together they last at least `dwell`, else each goes with the sign of its v;
 - equal neighbours are merged, also across the end of the period;

@@ -332,7 +332,7 @@ def _advice(model: Model, way: Any, settle: int, period: int, limit: float) -> s
         itself = ""
     else:
         longer = f", periods={needed}" if needed > _LONGEST_SEARCH else ""
-        itself = f", or ss.periodic_mean_velocity({word}{longer}) for the steady motion itself"
+        itself = f", or ss.analysis.periodic_mean_velocity({word}{longer}) for the steady motion itself"
     if period and settle < periods - 2 * period:
         return f"type settle={periods - 2 * period}{itself}"
     return f"type more periods, such as periods={10 * periods}{itself}"

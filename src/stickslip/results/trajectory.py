@@ -46,7 +46,7 @@ _INSTEAD = {
     "motion_type": "run.motion.type",
     "pattern": "run.motion.pattern",
     "energy": "ss.energy(run)",
-    "spectrum": "ss.spectrum(run)",
+    "spectrum": "ss.dynamics.spectrum(run)",
 }
 
 

@@ -76,7 +76,7 @@ def _check_names(flow: SwitchingFlow, labels: Labels, mode: Any, given: Settings
     if not knows_mode(flow.start_modes, mode):
         problems.add(f"mode: {unknown_mode(mode, flow.start_modes)}")
     if not is_one_of(given.method, ("auto", "exact")):
-        judge = 'for the second opinion of SciPy\'s integrator type ss.passage(flow, state, mode, duration, method="dop853")'
+        judge = 'for the second opinion of SciPy\'s integrator type ss.dynamics.passage(flow, state, mode, duration, method="dop853")'
         problems.add(f'method = {given.method!r}; allowed for a flow are "auto" and "exact"; {judge}')
     check_keep(given.keep, labels, problems)
     problems.whole("samples", given.samples, 4, example=200)
@@ -208,7 +208,7 @@ def _named_starts(flow: Any, start: Any, labels: Labels, problems: Problems) -> 
 
 def untraced(why: str) -> str:
     """Why the engine cannot follow a flow, and what to type."""
-    judge = "type ss.passage(flow, state, mode, duration), which SciPy's integrator follows on plain Python"
+    judge = "type ss.dynamics.passage(flow, state, mode, duration), which SciPy's integrator follows on plain Python"
     return (
         f"the engine cannot call the flow's functions with symbols: {why}; write them in plain arithmetic with stickslip.maths, or {judge}"
     )

@@ -123,7 +123,10 @@ def _machine_of(table: dict[str, Any], machine: Any, path: Path) -> Any:
     if machine is None:
         if not isinstance(kept["toml"], str):
             why = f"{str(path)!r} holds a simulation of a {kept['class']}, which no file can hold"
-            raise InputError("load", [f"{why}; type ss.Simulation.load(path, machine=...) with the one that was given to ss.simulation"])
+            raise InputError(
+                "load",
+                [f"{why}; type Simulation.load(path, machine=...) with the one that was given to ss.simulation"],
+            )
         return from_text(kept["toml"])
     if type(machine).__name__ != kept["class"]:
         given = f"the machine given is a {type(machine).__name__}"

@@ -1,5 +1,6 @@
 """Many solves: grids and designs, in memory, in a study folder or on several machines; refinement where the motion changes."""
 
+from stickslip.basics.lazy_names import listing
 from stickslip.studies.merging import merge
 from stickslip.studies.opening import open_study
 from stickslip.studies.progress import Progress
@@ -8,3 +9,4 @@ from stickslip.studies.running import sweep
 from stickslip.studies.writing import export
 
 __all__ = ["Progress", "export", "map", "merge", "open_study", "sweep"]
+__dir__ = listing(__all__)

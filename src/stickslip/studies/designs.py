@@ -15,9 +15,14 @@ from stickslip.basics.arguments import explains_arguments
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems, as_path
 from stickslip.basics.fields import masked_in
+from stickslip.basics.lazy_names import listing
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+
+__all__ = ["SweepDesign", "latin_hypercube", "sobol", "table", "zipped"]
+__dir__ = listing(__all__)
 
 
 @dataclass(frozen=True, eq=False)

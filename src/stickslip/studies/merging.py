@@ -43,7 +43,7 @@ def merge(folders: Sequence[str | Path], out: str | Path, partial: bool = False)
     >>> axes = dict(amplitude=[3e-4, 4e-4, 5e-4, 6e-4], tilt_deg=1.7, law="coulomb", tile=1)
     >>> for i in (1, 2):
     ...     _ = ss.sweep(ss.presets.piezo_rig, **axes, out=f"part{i}", shard=(i, 2))
-    >>> ss.merge(["part1", "part2"], "whole").motion_type.values.tolist()
+    >>> ss.studies.merge(["part1", "part2"], "whole").motion_type.values.tolist()
     ['II', 'I', 'I', 'III']
     """
     sources = [as_path(f, "merge", "grid-1") for f in folders]

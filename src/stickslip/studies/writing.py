@@ -50,7 +50,7 @@ def export(study: Any, path: str | Path) -> Path:
     --------
     >>> import stickslip as ss
     >>> grid = ss.sweep(ss.presets.piezo_rig, amplitude=[3e-4, 6e-4], tilt_deg=1.7, law="coulomb")
-    >>> print(ss.export(grid, "grid.csv").read_text().splitlines()[1][:14])
+    >>> print(ss.studies.export(grid, "grid.csv").read_text().splitlines()[1][:14])
     0.0003,1.7,7.8
     """
     target = as_path(path, "export", "grid.nc")

@@ -94,7 +94,7 @@ def test_lugre_drifts_below_break_away(found):
 
 
 def test_elasto_plastic_friction_does_not_drift():
-    law = ss.ElastoPlastic(1.0, 1.0, 1.5, 1.5, sigma0=1e5, sigma1=math.sqrt(1e5), sigma2=0.4, v_s=1e-3, z_ba=0.7e-5)
+    law = ss.friction.ElastoPlastic(1.0, 1.0, 1.5, 1.5, sigma0=1e5, sigma1=math.sqrt(1e5), sigma2=0.4, v_s=1e-3, z_ba=0.7e-5)
     assert abs(ss.bench(law, experiments=["drift"]).numbers["drift"]) < 1e-12
 
 
@@ -118,7 +118,7 @@ def test_dahl_has_no_stribeck_effect_and_no_lag():
 
 
 def test_maxwell_slip_remembers_reversals_and_dahl_does_not():
-    flat = ss.GMS(0.2, 0.2, None, None, sigma0=4e5, v_s=2e-3, attraction=1e4)
+    flat = ss.friction.GMS(0.2, 0.2, None, None, sigma0=4e5, v_s=2e-3, attraction=1e4)
     gms, dahl = (ss.bench(law, experiments=["hysteresis"]).numbers["gap"] for law in (flat, ss.Dahl(0.2, 0.2, 4e5)))
     assert abs(gms) < 1e-6 * 0.2 < 0.01 < dahl
 
@@ -149,7 +149,11 @@ def test_a_law_that_rests_exactly_says_what_is_trivial(coulomb):
 
 @pytest.mark.parametrize(
     ("law", "least", "most"),
-    [(ss.TanhCoulomb(0.15, 0.21, 1e-3), 2e-4, 5e-4), (ss.DeadBand(0.15, 0.21, 1e-3), 2e-4, 5e-4), (ss.Karnopp.example(), 9e-4, 1.1e-3)],
+    [
+        (ss.friction.TanhCoulomb(0.15, 0.21, 1e-3), 2e-4, 5e-4),
+        (ss.friction.DeadBand(0.15, 0.21, 1e-3), 2e-4, 5e-4),
+        (ss.friction.Karnopp.example(), 9e-4, 1.1e-3),
+    ],
     ids=lambda x: getattr(type(x), "__name__", str(x)),
 )
 @pytest.mark.slow
@@ -172,7 +176,9 @@ def test_a_swing_goes_its_distance():
 
 
 @pytest.mark.parametrize(
-    "law", [LUGRE_1995, ss.GMS.example(), ss.Dahl.example(), ss.ElastoPlastic.example()], ids=lambda law: type(law).__name__
+    "law",
+    [LUGRE_1995, ss.friction.GMS.example(), ss.Dahl.example(), ss.friction.ElastoPlastic.example()],
+    ids=lambda law: type(law).__name__,
 )
 def test_contact_stiffness_is_sigma0(law):
     assert Setup(law, 1.0, 1.0).contact_stiffness == pytest.approx(law.sigma0, rel=1e-9)
@@ -256,7 +262,7 @@ def test_bad_input_is_told_what_to_type(call, told):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ss.LAWS)
+@pytest.mark.parametrize("name", ss.friction.LAWS)
 def test_every_law_goes_over_the_bench(name):
     found = ss.bench(name)
     assert [e.key for e in found.experiments] == list(EXPERIMENTS)

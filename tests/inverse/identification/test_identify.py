@@ -76,7 +76,7 @@ def test_harmonics_are_those_of_a_drive_of_several_harmonics():
 
 
 def test_harmonics_of_a_drive_that_is_not_harmonic_are_an_error_that_says_what_to_type():
-    robot = rig(tilt_deg=1.7, amplitude=5e-4).replace(drive=ss.TwoPhase.example())
+    robot = rig(tilt_deg=1.7, amplitude=5e-4).replace(drive=ss.drives.TwoPhase.example())
     with pytest.raises(InputError, match=r"the drive is TwoPhase; allowed is a Harmonic as it is; .*ss\.MultiHarmonic\("):
         ss.virtual_rig(robot, harmonics=(0.05, 0.02))
 
@@ -187,7 +187,7 @@ def test_a_wrong_law_is_seen_in_the_residuals():
     assert any(q.suspicious for q in wrong.quality) and any("not that of the record" in w for w in wrong.warnings)
     right = ss.identify(recs, rig, free=FREE, tilt_deg=1.7, amplitude=TWO)
     assert not any("not that of the record" in w for w in right.warnings)
-    found = ss.rank({"coulomb": wrong, "lugre": right})
+    found = ss.identification.rank({"coulomb": wrong, "lugre": right})
     assert found.decided and found.best.label == "lugre"
 
 
@@ -278,11 +278,11 @@ def test_a_driven_law_agrees_with_a_solver_of_its_own():
 
 
 def test_a_driven_law_that_holds_in_a_band_gives_what_was_measured_there():
-    law = ss.Karnopp(0.15, 0.21, 0.18, 0.24, width=1e-3)
+    law = ss.friction.Karnopp(0.15, 0.21, 0.18, 0.24, width=1e-3)
     v, measured = np.array([0.0, 5e-4, -5e-4, 5e-4, 2e-3, -2e-3]), np.array([0.5, 1.7, -3.0, 9.0, 9.0, 9.0])
     motion = PrescribedMotion(np.arange(6.0), v, np.full(6, 10.0), measured, 0, False, "", at=v)
     assert driven_force(law, motion)[:, 0] == pytest.approx([0.5, 1.7, -2.4, 1.8, 1.5, -2.1])
-    many = ss.Karnopp(np.array([0.15, 0.3]), 0.21, 0.38, 0.24, width=1e-3)
+    many = ss.friction.Karnopp(np.array([0.15, 0.3]), 0.21, 0.38, 0.24, width=1e-3)
     assert driven_force(many, motion, 2)[4].tolist() == [1.5, 3.0]
 
 
@@ -291,7 +291,7 @@ def test_a_driven_law_of_several_states_is_the_same_alone_and_in_a_batch():
     motion = PrescribedMotion(
         t, np.concatenate([[0.0], np.diff(x) / np.diff(t)]), np.full(len(t), 10.0), np.zeros(len(t)), 0, False, ""
     ).every(10)
-    alone, among = driven_force(ss.GMS.example(), motion), driven_force(ss.GMS.example(), motion, 3)
+    alone, among = driven_force(ss.friction.GMS.example(), motion), driven_force(ss.friction.GMS.example(), motion, 3)
     assert np.array_equal(among, np.tile(alone, 3)) and np.isfinite(alone).all() and np.ptp(alone) > 1
 
 
@@ -310,7 +310,7 @@ def test_a_law_is_fitted_to_force_against_motion():
         assert low < value < high and abs(fit.values[name] / value - 1) < 0.01
     assert any("sign of the force was reversed" in w for w in fit.warnings)
     coulomb = ss.identify(rec, ss.Coulomb, free={"mu_plus": (0.1, 1.0), "mu_minus": (0.1, 1.0)}, load=10.0)
-    assert ss.rank([fit, coulomb]).best.label == "LuGre"
+    assert ss.identification.rank([fit, coulomb]).best.label == "LuGre"
 
 
 def test_a_force_without_a_load_is_an_error_that_says_what_to_type():
@@ -326,7 +326,7 @@ def test_data_that_cannot_tell_are_said_to():
     """From mean velocities rounded to 0.1 mm/s, with unknown noise, nothing decides between the laws."""
     arguments = dict(free={"mu0": (0.09, 0.208)}, tilt_deg=[1.7, 2.7, 4.7, 5.7], amplitude=[5.525e-4, 6.032e-4, 4.564e-4, 1.487e-3])
     both = {law: ss.identify([0.0017, 0.0036, 0.0040, 0.0254], rig, law=law, **arguments) for law in ("coulomb", "lugre")}
-    found = ss.rank(both)
+    found = ss.identification.rank(both)
     assert not found.decided and "these data cannot" in found.verdict
 
 
@@ -335,7 +335,8 @@ def test_the_papers_question_is_not_decided_by_its_four_numbers():
     measured, half = np.array([0.0017, 0.0036, 0.0040, 0.0254]), 5e-5
     places = [(1.7, 5.525e-4), (2.7, 6.032e-4), (4.7, 4.564e-4), (5.7, 1.487e-3)]
     V = {
-        law: np.array([ss.periodic_mean_velocity(rig(tilt_deg=a, amplitude=A, law=law)) for a, A in places]) for law in ("coulomb", "lugre")
+        law: np.array([ss.analysis.periodic_mean_velocity(rig(tilt_deg=a, amplitude=A, law=law)) for a, A in places])
+        for law in ("coulomb", "lugre")
     }
     rms = {law: float(np.sqrt(np.mean((v - measured) ** 2))) for law, v in V.items()}
     assert rms["lugre"] == pytest.approx(1.363e-3, rel=2e-3) and rms["coulomb"] == pytest.approx(1.656e-3, rel=2e-3)
@@ -351,8 +352,8 @@ def test_held_out_records_have_a_say():
     fits, outside = {}, {}
     for law, free in (("coulomb", {"mu0": (0.05, 0.3)}), ("lugre", FREE)):
         fits[law] = ss.identify(train, rig, free=free, tilt_deg=1.7, amplitude=TWO, law=law)
-        outside[law] = ss.prediction_errors(fits[law], test, tilt_deg=1.7, amplitude=[6e-4, 1e-3], law=law)
-    found = ss.rank(fits, held_out=outside)
+        outside[law] = ss.identification.prediction_errors(fits[law], test, tilt_deg=1.7, amplitude=[6e-4, 1e-3], law=law)
+    found = ss.identification.rank(fits, held_out=outside)
     assert found.decided and found.best.label == "lugre" and "2 of 2 held-out" in found.verdict
     assert found.best.held_out == pytest.approx(1e-4, rel=0.1)
 
@@ -360,16 +361,16 @@ def test_held_out_records_have_a_say():
 def test_fits_to_different_records_cannot_be_ranked(fit):
     other = ss.identify(records(1e-3, seed=9), rig, free={"mu0": (0.05, 0.2)}, tilt_deg=1.7, amplitude=TWO)
     with pytest.raises(InputError, match="other values"):
-        ss.rank([fit, other])
+        ss.identification.rank([fit, other])
 
 
 def test_fits_with_different_noise_cannot_be_ranked():
     rec = ss.virtual_rig(rig(law="coulomb", **ONE), noise=1e-4, seed=1)
     a, b, c = (ss.identify(rec, rig, free={"mu0": (0.1, 0.3)}, law="coulomb", noise=s, **ONE) for s in (1e-3, 1e-5, None))
     with pytest.raises(InputError, match="with the same noise=, or all without") as error:
-        ss.rank({"a": a, "b": b, "c": c})
+        ss.identification.rank({"a": a, "b": b, "c": c})
     assert len(error.value.problems) == 2 and "b was fitted with a noise of 1e-05 and a with a noise of 0.001" in str(error.value)
-    assert not ss.rank({"a": a, "the same": a}).decided
+    assert not ss.identification.rank({"a": a, "the same": a}).decided
 
 
 def test_a_number_for_a_law_alone_says_what_to_give():
@@ -379,27 +380,33 @@ def test_a_number_for_a_law_alone_says_what_to_give():
 
 def test_design_expects_the_errors_that_a_fit_then_has(fit):
     asked = {"experiments": [{"amplitude": A} for A in TWO], "noise": 1e-3, "samples": 2000, "together": 2, "tilt_deg": 1.7}
-    plan = ss.design(rig, free=TRUTH, harmonics=0, **asked)
+    plan = ss.identification.design(rig, free=TRUTH, harmonics=0, **asked)
     for name, error in plan.best.errors.items():
         assert fit.errors[name] == pytest.approx(error, rel=0.35)  # the fit's own place is one or two errors away
 
 
 def test_design_says_what_velocity_hardly_tells():
     free = {**TRUTH, "sigma0": 4e5, "sigma1": 100.0}
-    plan = ss.design(rig, free=free, experiments=[{"amplitude": A} for A in TWO], noise=1e-3, samples=2000, together=2, tilt_deg=1.7)
+    plan = ss.identification.design(
+        rig, free=free, experiments=[{"amplitude": A} for A in TWO], noise=1e-3, samples=2000, together=2, tilt_deg=1.7
+    )
     assert {"sigma0", "sigma1"} <= set(plan.faint) and not {"mu0", "f0"} & set(plan.faint)
     assert any("sigma0" in note for note in plan.notes) and any("sigma1" in note for note in plan.notes)
 
 
 def test_design_finds_the_experiment_that_separates_laws():
     twin = ss.Coulomb(*(getattr(rig(tilt_deg=1.7, amplitude=5e-4).friction, f"mu_{s}") for s in ("plus", "minus")))
-    plan = ss.design(rig, free={"mu0": 0.18}, experiments={"amplitude": [1e-4, 5e-4]}, noise=1e-3, rivals=[twin], tilt_deg=1.7)
+    plan = ss.identification.design(
+        rig, free={"mu0": 0.18}, experiments={"amplitude": [1e-4, 5e-4]}, noise=1e-3, rivals=[twin], tilt_deg=1.7
+    )
     assert plan.best.settings == ({"amplitude": 5e-4},) and plan.best.separation > 5  # at 0.1 mm neither law moves the body
 
 
 def test_design_reports_everything_wrong_at_once():
     with pytest.raises(InputError) as error:
-        ss.design(rig, free={"mu0": (0.1, 0.3), "muu": 0.1}, experiments=[], noise=-1.0, samples=0, together=0, using="foo", tilt_deg=1.7)
+        ss.identification.design(
+            rig, free={"mu0": (0.1, 0.3), "muu": 0.1}, experiments=[], noise=-1.0, samples=0, together=0, using="foo", tilt_deg=1.7
+        )
     told = "\n".join(error.value.problems)
     assert len(error.value.problems) == 8 and "using = 'foo'; allowed is one of velocity, position" in told
     for words in (
@@ -411,19 +418,19 @@ def test_design_reports_everything_wrong_at_once():
     ):
         assert words in told
     with pytest.raises(InputError, match=r"amplitude = 0\.0005; allowed is a list of values"):
-        ss.design(rig, free={"mu0": 0.18}, experiments={"amplitude": 5e-4}, noise=1e-3, tilt_deg=1.7)
+        ss.identification.design(rig, free={"mu0": 0.18}, experiments={"amplitude": 5e-4}, noise=1e-3, tilt_deg=1.7)
     with pytest.raises(InputError, match="together = 3 and there are 2 experiments"):
-        ss.design(rig, free={"mu0": 0.18}, experiments={"amplitude": TWO}, noise=1e-3, together=3, tilt_deg=1.7)
+        ss.identification.design(rig, free={"mu0": 0.18}, experiments={"amplitude": TWO}, noise=1e-3, together=3, tilt_deg=1.7)
 
 
 def test_design_says_which_experiments_it_leaves_out_and_why():
     steep = dict(free={"mu0": 0.18}, noise=1e-3, samples=200, amplitude=5e-4)
-    plan = ss.design(rig, experiments={"tilt_deg": [1.7, 30.0]}, **steep)
+    plan = ss.identification.design(rig, experiments={"tilt_deg": [1.7, 30.0]}, **steep)
     assert [e.settings for e in plan.experiments] == [({"tilt_deg": 1.7},)]
     (note,) = [note for note in plan.notes if "left out" in note]
     assert note.startswith("tilt_deg = 30 degrees is left out: ") and "beyond the friction angle" in note and note in str(plan)
     with pytest.raises(InputError, match="1 of 2 experiments can be solved, and together = 2 are wanted"):
-        ss.design(rig, experiments={"tilt_deg": [1.7, 30.0]}, together=2, **steep)
+        ss.identification.design(rig, experiments={"tilt_deg": [1.7, 30.0]}, together=2, **steep)
 
 
 # compare ----------------------------------------------------------------------------------------------------------
@@ -536,7 +543,9 @@ def test_the_commands_do_what_the_functions_do(tmp_path, capsys):
 
 def fittable():
     """Every law with a kinetic coefficient that the compiled solvers take."""
-    return [law for law in examples(ss.LAWS).values() if isinstance(getattr(law, "mu_plus", None), float) and adapted(law).compiles]
+    return [
+        law for law in examples(ss.friction.LAWS).values() if isinstance(getattr(law, "mu_plus", None), float) and adapted(law).compiles
+    ]
 
 
 @pytest.mark.slow
@@ -640,7 +649,7 @@ def test_the_commands_say_what_to_type_in_the_shell(tmp_path, capsys):
     assert main(["identify", "dahl", "--record", str(bare), "--free", "mu_plus=0.1..1", "mu_minus=1", "sigma0=3"]) == 2
     assert "type --unit LDV=N --role LDV=force" in capsys.readouterr().err
     assert main(["compare", "dahl", "--record", str(bare)]) == 2
-    assert "stickslip identify dahl" in (said := capsys.readouterr().err) and "ss.rank([ss.identify(rec, ss.Dahl" in said
+    assert "stickslip identify dahl" in (said := capsys.readouterr().err) and "ss.identification.rank([ss.identify(rec, ss.Dahl" in said
 
 
 def test_compare_takes_every_law_of_its_preset_and_says_what_it_wrote(tmp_path, capsys):

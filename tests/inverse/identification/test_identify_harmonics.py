@@ -59,7 +59,7 @@ def test_a_design_expects_the_errors_that_a_fit_then_has(known):
     """Of one record of 2000 samples; by harmonics that are not known the error is about twice that of an exact drive."""
     fit = fitted(record(), harmonics=known)
     more = {k: v for k, v in HOW.items() if k != "amplitude"}
-    plan = ss.design(rig, free={"mu0": 0.18}, experiments={"amplitude": [6e-4]}, noise=1e-3, harmonics=known, **more)
+    plan = ss.identification.design(rig, free={"mu0": 0.18}, experiments={"amplitude": [6e-4]}, noise=1e-3, harmonics=known, **more)
     assert fit.errors["mu0"] == pytest.approx(plan.best.errors["mu0"], rel=0.2)
     twice = fit.next_experiment({"amplitude": [6e-4]}).best.errors["mu0"]
     assert twice == pytest.approx(fit.errors["mu0"] / np.sqrt(2), rel=0.2)

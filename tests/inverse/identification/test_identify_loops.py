@@ -28,14 +28,14 @@ def lugre(mu_plus, mu_minus, rise, sigma0, v_s):
 def elasto_plastic(mu_plus, mu_minus, rise, sigma0, v_s, elastic):
     f = mu_plus * (1 + rise), mu_minus * (1 + rise)
     z = elastic * mu_plus / sigma0, elastic * mu_minus / sigma0
-    return ss.ElastoPlastic(mu_plus, mu_minus, *f, sigma0, 0.0, 0.0, v_s, z_ba=z[0], z_ba_minus=z[1])
+    return ss.friction.ElastoPlastic(mu_plus, mu_minus, *f, sigma0, 0.0, 0.0, v_s, z_ba=z[0], z_ba_minus=z[1])
 
 
 def gms(mu_plus, mu_minus, sigma0, w1, w2, w3, k1, k2, k3):
     """Four elements; shares are given relative to those of the last."""
     w, k = np.array([w1, w2, w3, 1.0]), np.array([k1, k2, k3, 1.0])
     shares = {"stiffness": tuple((k / k.sum()).tolist()), "weights": tuple((w / w.sum()).tolist())}
-    return ss.GMS(mu_plus, mu_minus, None, None, sigma0=sigma0, v_s=1e-4, attraction=100.0, **shares)
+    return ss.friction.GMS(mu_plus, mu_minus, None, None, sigma0=sigma0, v_s=1e-4, attraction=100.0, **shares)
 
 
 LAWS = {
@@ -66,8 +66,8 @@ def test_a_law_with_a_rounded_top_beats_dahl_on_ten_loops_and_on_held_out_ones()
     train, test = loops(20, 60), loops(60, 100)
     fits = {name: fitted(name, train) for name in LAWS}
     r2 = {name: fit.quality[0].r2 for name, fit in fits.items()}
-    outside = {name: ss.prediction_errors(fit, test, load=1.0) for name, fit in fits.items()}
-    found = ss.rank(fits, held_out=outside)
+    outside = {name: ss.identification.prediction_errors(fit, test, load=1.0) for name, fit in fits.items()}
+    found = ss.identification.rank(fits, held_out=outside)
     print(r2, outside, found, *(fit.report() for fit in fits.values()), sep="\n")
     assert r2["Dahl"] >= 0.997 and r2["Coulomb"] < 0.7
     assert max(r2["elasto-plastic"], r2["GMS"]) > r2["Dahl"] > r2["LuGre"]

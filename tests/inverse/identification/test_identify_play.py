@@ -15,8 +15,8 @@ from stickslip.models.force_rig import ForceRig
 LOAD, PLAY, MU, STATIC, SPEED, STIFFNESS = 40.0, 2e-4, 0.2, 0.3, 5e-4, 2e5
 BOTH = {"friction.mu_minus": "friction.mu_plus"}
 FREE = {"friction.mu_plus": (0.02, 0.6), "backlash": (0.0, 1e-3)}
-RIGID = ss.ForceRig(ss.Stribeck(0.1, 0.1, 0.15, 0.15, v_s=1e-3), backlash=1e-4)
-ELASTIC = ss.ForceRig(ss.Dahl(0.1, 0.1, sigma0=1e5), backlash=1e-4)
+RIGID = ss.machines.ForceRig(ss.Stribeck(0.1, 0.1, 0.15, 0.15, v_s=1e-3), backlash=1e-4)
+ELASTIC = ss.machines.ForceRig(ss.Dahl(0.1, 0.1, sigma0=1e5), backlash=1e-4)
 
 
 def stroke(t):
@@ -105,8 +105,8 @@ def test_play_that_a_record_does_not_cross_is_not_determined():
 MANY = (
     ss.Stribeck(0.2, 0.3, 0.25, 0.4, v_s=1e-3),
     ss.LuGre(0.2, 0.3, 0.25, 0.4, sigma0=1e5, sigma1=10.0, sigma2=1.0, v_s=1e-3),
-    ss.GMS.example(),
-    ss.ResetIntegrator(0.2, 0.3, 0.25, 0.4, sigma0=1e5, sigma1=0.0),
+    ss.friction.GMS.example(),
+    ss.friction.ResetIntegrator(0.2, 0.3, 0.25, 0.4, sigma0=1e5, sigma1=0.0),
 )
 
 
@@ -123,7 +123,7 @@ def test_without_play_the_force_is_that_of_the_law(law):
 
 def test_what_is_no_force_rig_is_said():
     with pytest.raises(ss.InputError, match="Karnopp, which balances the forces at rest; allowed is any other law"):
-        ForceRig(ss.Karnopp.example(), 1e-4)
+        ForceRig(ss.friction.Karnopp.example(), 1e-4)
     with pytest.raises(ss.InputError, match="backlash = -1"):
         ForceRig(ss.Coulomb(0.1, 0.1), -1.0)
     with pytest.raises(ss.InputError, match="is not a model"):

@@ -101,7 +101,7 @@ def test_three_ways_to_an_interval_agree_with_a_sensor_beside(fit):
 
 
 def test_a_speed_measured_otherwise_gives_back_what_a_free_offset_takes(fit):
-    speed = ss.periodic_mean_velocity(RIG(**ONE))
+    speed = ss.analysis.periodic_mean_velocity(RIG(**ONE))
     beside = ss.identify([off(), ("normal", speed, 1e-6)], RIG, free=MU, starts=4, harmonics=0, **ONE)
     zero = ss.identify(off(), RIG, free=MU, starts=4, sensor={"offset": 0.0, "drift": None, "gain": None}, harmonics=0, **ONE)
     assert set(beside.sensor) == {"offset", "drift", "gain", "delay"}
@@ -173,7 +173,9 @@ def test_preload_inertia_and_delay_are_found():
     assert abs(fit.values["mu_plus"] - 0.3) < 4 * fit.errors["mu_plus"]
 
 
-@pytest.mark.parametrize("law", [ss.Coulomb.example(), ss.LuGre.example(), ss.ElastoPlastic.example()], ids=lambda law: type(law).__name__)
+@pytest.mark.parametrize(
+    "law", [ss.Coulomb.example(), ss.LuGre.example(), ss.friction.ElastoPlastic.example()], ids=lambda law: type(law).__name__
+)
 def test_derivatives_by_all_numbers_of_a_sensor_are_those_of_differences(law):
     record = forces(law, load=10.0 + np.sin(np.linspace(0, 9, 300)), n=300)
     known = {f.name: getattr(law, f.name) for f in dataclasses.fields(law)}
@@ -251,11 +253,11 @@ def test_the_motion_counts_where_a_force_is_missing():
 
 
 @pytest.mark.parametrize(
-    "name", [name for name, law in ss.LAWS.items() if adapted(law.example()).dynamic and not adapted(law.example()).random]
+    "name", [name for name, law in ss.friction.LAWS.items() if adapted(law.example()).dynamic and not adapted(law.example()).random]
 )
 def test_compiled_steps_are_those_in_plain_python(name):
     """Of three cases at once, with loads of their own; the plain ones take the slopes of rates from differences."""
-    m, law = motion(400), adapted(ss.LAWS[name].example())
+    m, law = motion(400), adapted(ss.friction.LAWS[name].example())
     gains = np.array([1.0, 0.7, 1.3])
     law = adapted(replace_leaf(law.law, {key: value * gains for key, value in leaves(law.law) if key in numbers_of(law.law)[:1]}))
     load, given, steps = m.load[:, None] * gains, m.force[:, None], np.diff(m.t, prepend=m.t[0])
@@ -269,7 +271,7 @@ def test_compiled_steps_are_those_in_plain_python(name):
 def test_a_law_of_chance_is_not_fitted():
     law = dict(mu_minus=0.3, sigma0=1e5)
     with pytest.raises(InputError, match="Bristle cannot be fitted"):
-        ss.identify(forces(ss.Dahl(0.3, 0.4, 1e5)), ss.Bristle, free={"mu_plus": (0.1, 1.0)}, load=10.0, **law)
+        ss.identify(forces(ss.Dahl(0.3, 0.4, 1e5)), ss.friction.Bristle, free={"mu_plus": (0.1, 1.0)}, load=10.0, **law)
 
 
 def test_a_law_for_plain_numbers_is_followed_in_plain_python():
@@ -469,13 +471,13 @@ def test_no_law_is_supported_whose_residuals_have_a_shape_or_whose_numbers_sit_a
         "Coulomb": ss.identify(record, ss.Coulomb, free=BOTH, starts=4),
         "viscous": ss.identify(record, ss.CoulombViscous, free={**BOTH, "viscous": (0.0, 500.0)}, starts=4),
     }
-    found = ss.rank(wrong)
+    found = ss.identification.rank(wrong)
     assert found.supported == () and not found.decided and "no law fits" in found.verdict and "correlated" in found.reason
     free = {**BOTH, "f_plus": (0.02, 1.0), "f_minus": (0.02, 1.0), "v_s": (1e-5, 1e-2, "log")}
     right = ss.identify(record, ss.Stribeck, free=free, starts=16)
-    assert ss.rank({**wrong, "Stribeck": right}).supported == ("Stribeck",)
+    assert ss.identification.rank({**wrong, "Stribeck": right}).supported == ("Stribeck",)
     narrow = ss.identify(record, ss.Stribeck, free={**free, "v_s": (6e-4, 1e-2, "log")}, starts=16)
-    bound = ss.rank({**wrong, "Stribeck": narrow})
+    bound = ss.identification.rank({**wrong, "Stribeck": narrow})
     assert bound.supported == () and "v_s ends at its bound" in bound.reason
 
 
@@ -494,7 +496,7 @@ def test_who_interrupts_a_search_gets_the_best_place_so_far(monkeypatch, part):
     calls[:] = [0, int(part * calls[0])]
     fit = ss.identify(off(), RIG, free=MU, **ONE)
     assert fit.stopped and any("interrupted" in note for note in fit.notes) and abs(fit.values["mu0"] - 0.18) < 0.05
-    assert ss.rank({"a": fit, "b": fit}).supported == ()
+    assert ss.identification.rank({"a": fit, "b": fit}).supported == ()
 
 
 # nesting ----------------------------------------------------------------------------------------------------------

@@ -27,7 +27,7 @@ def stepped(speeds, first, step=0.08, noise=0.2):
 
 
 def make(mu0, a, b, Dc):
-    return ss.RateState(mu0=mu0, a=a, b=b, Dc=Dc, v0=V0)
+    return ss.friction.RateState(mu0=mu0, a=a, b=b, Dc=Dc, v0=V0)
 
 
 @pytest.mark.parametrize("first", [3.0, 60.0])  # contacts younger and older than those of the first speed

@@ -35,7 +35,7 @@ def two_phase(U, mu=MU, up=0.15, down=0.25, L=0.01):
 @pytest.mark.parametrize(("U", "V"), [(0.2, 0.003760462113490), (0.4, 0.037885), (0.8, 0.0978425), (2.0, 0.260057)])
 def test_two_phases_are_fastest_at_both_speeds(U, V):
     best = ss.optimise(
-        robot(ss.TwoPhase(stroke=0.01, u1=0.1, u2=0.1)), over={"drive.u1": (0.0, U), "drive.u2": (0.0, U)}, maximise="mean_velocity",
+        robot(ss.drives.TwoPhase(stroke=0.01, u1=0.1, u2=0.1)), over={"drive.u1": (0.0, U), "drive.u2": (0.0, U)}, maximise="mean_velocity",
         subject_to={"relative_velocity": (None, U)}, starts=None,
     )  # fmt: skip
     assert two_phase(U) == pytest.approx(V, rel=1e-9)
@@ -57,7 +57,7 @@ def three_phase(W, L=0.01, up=0.15, down=0.25, mu=MU):
 
 def test_three_phases_wait_on_the_verge_of_slipping_back():
     best = ss.optimise(
-        robot(ss.ThreePhase.example()), maximise="mean_velocity", subject_to={"stroke": (None, 0.01)}, starts=None,
+        robot(ss.drives.ThreePhase.example()), maximise="mean_velocity", subject_to={"stroke": (None, 0.01)}, starts=None,
         over={"drive.u1": (0.01, 1.0), "drive.w1": (1.0, 60.0), "drive.w2": (1.0, 60.0), "drive.w3": (1.0, 60.0)},
     )  # fmt: skip
     assert best["mean_velocity"] == pytest.approx(three_phase(60.0), rel=1e-6)
@@ -69,7 +69,7 @@ def test_three_phases_wait_on_the_verge_of_slipping_back():
 
 def verge(mu, up, down, L, W):
     """Mean velocity of the verge gait by its formula."""
-    p, T = down / (up + down), ss.Pieces.verge(W, L, mu, up, down).period
+    p, T = down / (up + down), ss.drives.Pieces.verge(W, L, mu, up, down).period
     return p**2 * T * (mu**2 * W**2 - up**2 * G**2) / (4 * mu * W)
 
 
@@ -85,8 +85,8 @@ SETS = [
 
 def fastest(mu, up, down, L, W, **more):
     limits = {"stroke": (None, L), "relative_acceleration": (None, W)}
-    made = robot(ss.Pieces.example(), mu, ss.Coulomb(up, down))
-    return ss.optimise(made, over={"drive": ss.waveform(**more)}, maximise="mean_velocity", subject_to=limits, starts=None)
+    made = robot(ss.drives.Pieces.example(), mu, ss.Coulomb(up, down))
+    return ss.optimise(made, over={"drive": ss.optimisation.waveform(**more)}, maximise="mean_velocity", subject_to=limits, starts=None)
 
 
 @pytest.mark.parametrize("numbers", [SETS[0], *(pytest.param(each, marks=pytest.mark.slow) for each in SETS[1:])])
@@ -151,7 +151,7 @@ def test_a_search_climbs_by_exact_derivatives_of_all_that_has_them():
     space = Unknowns(rig, [Varied(name, (name,), *pair) for name, pair in ends.items()], None)
     u = np.array([0.5, 0.5])
     for of in ("mean_velocity", "cost_of_transport", "drive_power", "friction_power"):
-        found, slopes = Candidates(space, of, 1.0, []).slope(u), ss.gradient(space.machine(u), of, wrt=list(ends))
+        found, slopes = Candidates(space, of, 1.0, []).slope(u), ss.optimisation.gradient(space.machine(u), of, wrt=list(ends))
         assert not slopes.notes
         # the unknowns' own slopes are differences of a line, known to 1e-16 / 1e-6
         assert found == pytest.approx([slopes[name] * (b - a) for name, (a, b) in ends.items()], rel=1e-8, abs=1e-12 * abs(slopes.value))
@@ -180,7 +180,8 @@ def test_no_phase_of_a_fine_grid_beats_the_best_phase(stiffness):
 def test_a_stop_keeps_the_best_so_far():
     seen = []
     best = ss.optimise(
-        robot(ss.TwoPhase(stroke=0.01, u1=0.1, u2=0.1)), over={"drive.u1": (0.01, 0.4), "drive.u2": (0.01, 0.4)}, maximise="mean_velocity",
+        robot(ss.drives.TwoPhase(stroke=0.01, u1=0.1, u2=0.1)), over={"drive.u1": (0.01, 0.4), "drive.u2": (0.01, 0.4)},
+        maximise="mean_velocity",
         starts=None, progress=lambda tried, most: seen.append((tried, most)) or len(seen) < 4,
     )  # fmt: skip
     assert len(seen) == 4
@@ -221,17 +222,17 @@ def test_waveforms_keep_their_limits_and_close(form):
         assert peaks_of(drive, "relative_acceleration") <= 60.0 * (1 + 1e-9)
 
 
-TWO = robot(ss.TwoPhase(stroke=0.01, u1=0.1, u2=0.1))
+TWO = robot(ss.drives.TwoPhase(stroke=0.01, u1=0.1, u2=0.1))
 
 
 @each_row(
     ("asked", "told"),
     [
-        (dict(over={"drive": ss.waveform(pieces=4), "drive.u1": (0.1, 0.2)}, subject_to=BOUNDED), "cannot both vary"),
+        (dict(over={"drive": ss.optimisation.waveform(pieces=4), "drive.u1": (0.1, 0.2)}, subject_to=BOUNDED), "cannot both vary"),
         (dict(over={"drive.u1": (0.2, 0.1)}), r"type \(0.1, 0.2\)"),
         (dict(over={"drive.u3": (0.1, 0.2)}), "did you mean"),
-        (dict(over={"gravity": ss.waveform(pieces=4)}, subject_to=BOUNDED), "is not a drive"),
-        (dict(over={"drive": ss.waveform(pieces=4)}), '"relative_acceleration"'),
+        (dict(over={"gravity": ss.optimisation.waveform(pieces=4)}, subject_to=BOUNDED), "is not a drive"),
+        (dict(over={"drive": ss.optimisation.waveform(pieces=4)}), '"relative_acceleration"'),
         (dict(over={"drive.u1": (0.1, 0.2)}, subject_to={"strok": (None, 0.01)}), "did you mean 'stroke'"),
         (dict(over={"drive.u1": (0.1, 0.2)}, subject_to={"stroke": (0.02, 0.01)}), "cannot be satisfied"),
         (dict(over={"drive.u1": (0.1, 0.2)}, subject_to={"stroke": (None, 0.001)}), "nearest: 0.01"),
@@ -294,21 +295,21 @@ def test_candidates_that_the_record_refuses_with_a_number_of_the_sample_are_not_
 
 def test_a_waveform_is_of_one_kind():
     with pytest.raises(ss.InputError, match="exactly one"):
-        ss.waveform(pieces=3, fourier=2)
+        ss.optimisation.waveform(pieces=3, fourier=2)
     with pytest.raises(ss.InputError, match="whole number"):
-        ss.waveform(pieces=1)
+        ss.optimisation.waveform(pieces=1)
 
 
 @pytest.mark.slow
 def test_a_robust_drive_keeps_its_speed_on_a_fresh_sample():
     # the nominal optimum waits on the verge of slipping back, which a smaller coefficient of friction makes it do
-    made, uncertain = robot(ss.ThreePhase.example()), {"friction.mu_minus": ("uniform", 0.22, 0.28)}
+    made, uncertain = robot(ss.drives.ThreePhase.example()), {"friction.mu_minus": ("uniform", 0.22, 0.28)}
     asked = dict(
         over={"drive.u1": (0.01, 1.0), "drive.w1": (1.0, 60.0), "drive.w2": (1.0, 60.0), "drive.w3": (1.0, 60.0)},
         maximise="mean_velocity", subject_to={"stroke": (None, 0.01)},
     )  # fmt: skip
     nominal, robust = ss.optimise(made, **asked), ss.optimise(made, **asked, robust=uncertain, quantile=0.05)
-    fresh = [ss.propagate(best.model, uncertain, samples=2048, seed=99).quantile(0.05) for best in (nominal, robust)]
+    fresh = [ss.optimisation.propagate(best.model, uncertain, samples=2048, seed=99).quantile(0.05) for best in (nominal, robust)]
     assert fresh[1] > 1.02 * fresh[0]
     assert robust.robust == pytest.approx(fresh[1], rel=5e-3)
     assert robust["mean_velocity"] < nominal["mean_velocity"]
@@ -326,7 +327,7 @@ def test_what_is_uncertain_cannot_vary():
 def test_a_front_is_not_beaten_by_a_grid():
     rig = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb")
     over = {"drive.amplitude": (3e-4, 8e-4), "drive.omega": (150.0, 260.0)}
-    front = ss.pareto(rig, over=over, maximise="mean_velocity", minimise="drive_power", points=4)
+    front = ss.optimisation.pareto(rig, over=over, maximise="mean_velocity", minimise="drive_power", points=4)
     grid = ss.sweep(rig, **{name: np.linspace(*ends, 61) for name, ends in over.items()})
     assert front.sizes["point"] >= 3
     assert (front.mean_velocity.diff("point") > 0).all()
@@ -338,7 +339,7 @@ def test_a_front_is_not_beaten_by_a_grid():
 
 def test_a_front_needs_two_quantities():
     with pytest.raises(ss.InputError, match="two quantities"):
-        ss.pareto(TWO, over={"drive.u1": (0.1, 0.2)}, maximise="mean_velocity", minimise="mean_velocity")
+        ss.optimisation.pareto(TWO, over={"drive.u1": (0.1, 0.2)}, maximise="mean_velocity", minimise="mean_velocity")
 
 
 def test_a_motion_that_is_continued_is_told_beside_the_one_from_rest():
@@ -349,7 +350,7 @@ def test_a_motion_that_is_continued_is_told_beside_the_one_from_rest():
     way = continued(rig, best, {"drive.amplitude": 7.9e-4})
     assert from_rest < 2.3e-3
     assert way > 3.2e-3
-    assert continued(rig, rig.replace(drive=ss.TwoPhase.example()), {"drive.u1": 0.1}) is None
+    assert continued(rig, rig.replace(drive=ss.drives.TwoPhase.example()), {"drive.u1": 0.1}) is None
 
 
 @pytest.mark.slow
@@ -391,7 +392,7 @@ def test_a_limit_of_one_number_is_one_problem_with_what_to_type():
     with pytest.raises(ss.InputError) as error:
         ss.optimise(
             ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"),
-            over={"drive": ss.waveform(pieces=3)},
+            over={"drive": ss.optimisation.waveform(pieces=3)},
             subject_to={"stroke": "0.7 mm", "relative_acceleration": (None, 60.0)},
         )
     assert len(error.value.problems) == 1 and "type subject_to={\"stroke\": (None, '0.7 mm')}" in error.value.problems[0]
@@ -404,7 +405,7 @@ def test_an_optimum_at_an_edge_says_so():
         body_mass=0.06, inner_mass=0.01, drive=ss.Harmonic(3.5e-4, frequency=40.0), friction=law, track=ss.Incline(tilt="3 deg")
     )
     limits = {"stroke": (None, "0.7 mm"), "relative_acceleration": (None, 60.0)}
-    best = ss.optimise(robot, over={"drive": ss.waveform(pieces=3)}, subject_to=limits)
+    best = ss.optimise(robot, over={"drive": ss.optimisation.waveform(pieces=3)}, subject_to=limits)
     beside = [ss.mean_velocity(ss.solve(best.model.replace(body_mass=0.06 * (1 + d)), periods=100)) for d in (-1e-4, 1e-4)]
     note = next(note for note in best.notes if note.startswith("the optimum is at an edge"))
     assert min(beside) < 0.97 * best["mean_velocity"] and 'robust={"' in note and "instead of 0.01694" in note

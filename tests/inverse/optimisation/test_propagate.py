@@ -1,4 +1,4 @@
-"""`ss.propagate`: bands, Sobol indices and swings against closed forms, from distributions and from fits."""
+"""`ss.optimisation.propagate`: bands, Sobol indices and swings against closed forms, from distributions and from fits."""
 
 import math
 
@@ -11,7 +11,7 @@ from rows import each_row
 from stickslip.inverse.optimisation.propagation import _designed, _estimated, _indices
 
 G, MU, U, L = 9.81, 0.1315, 0.1, 0.01
-ROBOT = ss.Robot(1.0 - MU, MU, ss.TwoPhase(stroke=L, u1=U, u2=U), ss.Coulomb(0.15, 0.25))
+ROBOT = ss.Robot(1.0 - MU, MU, ss.drives.TwoPhase(stroke=L, u1=U, u2=U), ss.Coulomb(0.15, 0.25))
 UP, DOWN = (0.13, 0.17), (0.22, 0.28)
 SPREAD = {"friction.mu_plus": ("uniform", *UP), "friction.mu_minus": ("uniform", *DOWN)}
 
@@ -29,7 +29,7 @@ def moments(a, b):
 
 @pytest.fixture(scope="module")
 def found():
-    return ss.propagate(ROBOT, SPREAD, samples=512, seed=3, indices=True)
+    return ss.optimisation.propagate(ROBOT, SPREAD, samples=512, seed=3, indices=True)
 
 
 def test_indices_of_a_sum_are_those_of_the_closed_form(found):
@@ -95,7 +95,9 @@ def test_bands_and_swings_are_those_of_the_closed_form(found):
 
 
 def test_a_tolerance_in_per_cent_is_a_normal_distribution():
-    told, short = (ss.propagate(ROBOT, {"friction.mu_plus": said}, samples=16) for said in (("normal", 0.15, 0.0015), (0.15, "1%")))
+    told, short = (
+        ss.optimisation.propagate(ROBOT, {"friction.mu_plus": said}, samples=16) for said in (("normal", 0.15, 0.0015), (0.15, "1%"))
+    )
     assert np.array_equal(told.values, short.values)
     assert told.notes == ()
     assert told.indices is None
@@ -103,7 +105,7 @@ def test_a_tolerance_in_per_cent_is_a_normal_distribution():
 
 def test_where_nothing_moves_there_are_no_indices():
     still = ROBOT.replace({"friction.mu_plus": 0.9, "friction.mu_minus": 0.9, "drive": ss.Harmonic(amplitude=1e-5, omega=10.0)})
-    found = ss.propagate(still, {"friction.mu_plus": (0.9, "1%")}, samples=16, indices=True)
+    found = ss.optimisation.propagate(still, {"friction.mu_plus": (0.9, "1%")}, samples=16, indices=True)
     assert found.indices is None
     assert "all values are the same" in found.notes[0]
 
@@ -116,7 +118,7 @@ def fit():
 
 def test_a_fit_is_propagated_by_its_covariance(fit):
     robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb", mu0=fit.values["mu0"])
-    found = ss.propagate(robot, uncertain=fit, samples=256, indices=True)
+    found = ss.optimisation.propagate(robot, uncertain=fit, samples=256, indices=True)
     mu0, h = fit.values["mu0"], 1e-5
     V = [ss.periodic_orbit(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb", mu0=mu0 + s)).mean_velocity for s in (-h, h)]
     slope = (V[1] - V[0]) / (2 * h)
@@ -129,7 +131,7 @@ def test_a_fit_is_propagated_by_its_covariance(fit):
 
 def test_a_fit_of_another_machine_is_told(fit):
     with pytest.raises(ss.InputError, match="does not have"):
-        ss.propagate(ROBOT.replace(friction=ss.Viscous.example()), uncertain=fit)
+        ss.optimisation.propagate(ROBOT.replace(friction=ss.Viscous.example()), uncertain=fit)
 
 
 def test_what_a_fit_does_not_know_is_told():
@@ -137,7 +139,7 @@ def test_what_a_fit_does_not_know_is_told():
     lost = ss.identify([0.00431], ss.presets.piezo_rig, free={"mu0": (0.05, 0.5), "body_mass": (0.05, 0.07)}, **asked)
     assert lost.undetermined
     with pytest.raises(ss.InputError, match="do not determine"):
-        ss.propagate(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb"), uncertain=lost)
+        ss.optimisation.propagate(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb"), uncertain=lost)
 
 
 def test_correlated_parameters_have_no_indices():
@@ -146,12 +148,12 @@ def test_correlated_parameters_have_no_indices():
     true = ss.solve(ss.presets.piezo_rig(**asked, mu0=0.18, body_mass=0.065), periods=60, settle=30, keep="summary").mean_velocity
     both = ss.identify([round(float(v), 5) for v in true], ss.presets.piezo_rig, free=free, noise=5e-6, **asked)
     robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb")
-    found = ss.propagate(robot, uncertain=both, samples=256)
+    found = ss.optimisation.propagate(robot, uncertain=both, samples=256)
     # the sample has the fit's covariance; 256 Sobol points err by less than 1/sqrt(256)
     drawn = np.corrcoef([found.inputs[name] for name in both.names])[0, 1]
     assert drawn == pytest.approx(both.correlations[0, 1], abs=0.06)
     with pytest.raises(ss.InputError, match="depend on one another"):
-        ss.propagate(robot, uncertain=both, indices=True)
+        ss.optimisation.propagate(robot, uncertain=both, indices=True)
 
 
 def test_a_tornado_has_the_longest_bar_on_top(found):
@@ -166,4 +168,4 @@ def test_a_tornado_has_the_longest_bar_on_top(found):
 @each_row("said", [("uniform", 0.2, 0.1), (0.15, "1"), ("normal", 0.15, 0.0), "wide", (0.0, "1%")])
 def test_bad_distributions_say_what_to_type(said):
     with pytest.raises(ss.InputError, match=r"friction.mu_plus.*type for example"):
-        ss.propagate(ROBOT, {"friction.mu_plus": said})
+        ss.optimisation.propagate(ROBOT, {"friction.mu_plus": said})

@@ -117,12 +117,12 @@ def test_the_four_hundredth_mode_neither_overflows_nor_warns():
 @each_row(("ratio", "n"), [(-1.0, 3), (np.nan, 3), ("heavy", 3), ([1.0, np.inf], 3), (1.0, 0), (1.0, 2.5), (1.0, True)])
 def test_bad_arguments_are_named(ratio, n):
     with pytest.raises(ss.InputError, match=r"type for example (tip_mass_ratio=1.2|n=5)"):
-        ss.cantilever_eigenvalues(ratio, n)
+        ss.drives.cantilever_eigenvalues(ratio, n)
 
 
 def test_all_bad_arguments_are_named_at_once():
     with pytest.raises(ss.InputError) as caught:
-        ss.cantilever_eigenvalues(-1.0, 0)
+        ss.drives.cantilever_eigenvalues(-1.0, 0)
     assert len(caught.value.problems) == 2
 
 

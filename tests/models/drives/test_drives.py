@@ -20,13 +20,13 @@ from stickslip.maths import within
 G = 9.81
 MU, PLUS, MINUS = 0.1315, 0.15, 0.25
 DRIVES = {
-    **examples(ss.DRIVES),
-    "bangbang, stronger first": ss.BangBang(a1=60.0, a2=7.0, frequency=11.0),
-    "threephase, a jerk": ss.ThreePhase(stroke=0.005, w1=18.0, w2=1e7, w3=18.0),
-    "trapezoid, fast first": ss.Trapezoid(u1=0.4, u2=0.1, ramp=0.004, stroke=0.01),
+    **examples(ss.drives.DRIVES),
+    "bangbang, stronger first": ss.drives.BangBang(a1=60.0, a2=7.0, frequency=11.0),
+    "threephase, a jerk": ss.drives.ThreePhase(stroke=0.005, w1=18.0, w2=1e7, w3=18.0),
+    "trapezoid, fast first": ss.drives.Trapezoid(u1=0.4, u2=0.1, ramp=0.004, stroke=0.01),
     "multiharmonic, four": ss.MultiHarmonic(frequency=30.0, amplitudes=(4e-4, 0.0, -1e-4, 5e-5), phases=(0.3, 0.0, 1.0, -2.0)),
-    "vertical on three phases": ss.VerticalVibration(ss.ThreePhase.example(), amplitude=2e-5, phase=0.4, harmonic=2),
-    "reversed vertical": ss.Reversed(ss.VerticalVibration.example()),
+    "vertical on three phases": ss.drives.VerticalVibration(ss.drives.ThreePhase.example(), amplitude=2e-5, phase=0.4, harmonic=2),
+    "reversed vertical": ss.drives.Reversed(ss.drives.VerticalVibration.example()),
 }
 every_drive = each_row("drive", DRIVES.values(), ids=DRIVES)
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)
@@ -183,12 +183,12 @@ def test_time_within_a_period_is_the_symbol_itself_and_a_whole_period_is_its_sta
 @each_row(
     "make",
     [
-        lambda x: ss.TwoPhase(stroke=0.01 * x, u1=0.1, u2=0.3),
-        lambda x: ss.ThreePhase(stroke=0.005, w1=10.0 * x, w2=60.0, w3=12.0),
-        lambda x: ss.BangBang(a1=20.0, a2=10.0 * x, stroke=0.001),
-        lambda x: ss.Trapezoid(u1=0.1 * x, u2=0.2, ramp=0.005, stroke=0.01),
+        lambda x: ss.drives.TwoPhase(stroke=0.01 * x, u1=0.1, u2=0.3),
+        lambda x: ss.drives.ThreePhase(stroke=0.005, w1=10.0 * x, w2=60.0, w3=12.0),
+        lambda x: ss.drives.BangBang(a1=20.0, a2=10.0 * x, stroke=0.001),
+        lambda x: ss.drives.Trapezoid(u1=0.1 * x, u2=0.2, ramp=0.005, stroke=0.01),
         lambda x: ss.MultiHarmonic(omega=200.0, amplitudes=(1e-4 * x, 5e-5), phases=(0.0, 1.0)),
-        lambda x: ss.VerticalVibration(ss.Harmonic(amplitude=1e-4 * x, omega=200.0), amplitude=1e-5),
+        lambda x: ss.drives.VerticalVibration(ss.Harmonic(amplitude=1e-4 * x, omega=200.0), amplitude=1e-5),
     ],
 )  # fmt: skip
 def test_a_number_may_be_an_array(make):
@@ -220,22 +220,22 @@ def test_one_harmonic_of_several_is_the_harmonic_drive():
 
 
 def test_bang_bang_is_a_three_phase_drive_that_began_half_a_phase_earlier():
-    bang = ss.BangBang(a1=20.0, a2=40.0, period=0.03)
-    three = ss.ThreePhase(u1=bang.velocity_scale, w1=20.0, w2=40.0, w3=20.0)
+    bang = ss.drives.BangBang(a1=20.0, a2=40.0, period=0.03)
+    three = ss.drives.ThreePhase(u1=bang.velocity_scale, w1=20.0, w2=40.0, w3=20.0)
     t = np.linspace(0, 0.03, 100)[:-1]
     assert three.velocity(t) == pytest.approx(bang.velocity(t + bang.t1 / 2), abs=1e-14)
     assert (three.period, three.stroke) == pytest.approx((bang.period, bang.stroke), rel=1e-13)
 
 
 def test_a_trapezoid_with_short_ramps_is_nearly_a_two_phase_drive():
-    two = ss.TwoPhase(stroke=0.01, u1=0.05, u2=0.4)
-    smooth = ss.Trapezoid(u1=0.05, u2=0.4, ramp=1e-7, stroke=0.01)
+    two = ss.drives.TwoPhase(stroke=0.01, u1=0.05, u2=0.4)
+    smooth = ss.drives.Trapezoid(u1=0.05, u2=0.4, ramp=1e-7, stroke=0.01)
     assert smooth.period == pytest.approx(two.period, abs=2e-7)
     assert smooth.velocity(0.1) == two.velocity(0.1) and smooth.velocity(0.21) == two.velocity(0.21)
 
 
 def test_a_smooth_trapezoid_has_a_continuous_acceleration_of_the_height_it_says():
-    drive = ss.Trapezoid.example()
+    drive = ss.drives.Trapezoid.example()
     t = np.linspace(0, drive.period, 200_001)
     a = drive.acceleration(t)
     assert np.max(abs(np.diff(a))) < 1e-3 * np.max(abs(a)) * 3
@@ -251,49 +251,50 @@ def test_a_smooth_trapezoid_has_a_continuous_acceleration_of_the_height_it_says(
      {"u2": 0.4, "t2": 0.025, "t1": 0.2}, {"stroke": 0.01, "u1": 0.05, "u2": 0.4, "t1": 0.2, "t2": 0.025}],
 )  # fmt: skip
 def test_any_three_numbers_settle_a_two_phase_drive(given):
-    drive = ss.TwoPhase(**given)
+    drive = ss.drives.TwoPhase(**given)
     assert (drive.stroke, drive.u1, drive.u2) == pytest.approx((0.01, 0.05, 0.4), rel=1e-14)
 
 
 def test_a_three_phase_drive_may_be_given_by_its_stroke_or_its_return():
-    drive = ss.ThreePhase.example()
-    assert ss.ThreePhase(stroke=drive.stroke, w1=10.0, w2=60.0, w3=12.0).u1 == pytest.approx(0.3, rel=1e-14)
-    assert ss.ThreePhase(u3=drive.u3, w1=10.0, w2=60.0, w3=12.0).u1 == pytest.approx(0.3, rel=1e-14)
-    assert ss.ThreePhase(u1=0.3, u3=drive.u3, w1=10.0, w2=60.0, w3=12.0) == drive
+    drive = ss.drives.ThreePhase.example()
+    assert ss.drives.ThreePhase(stroke=drive.stroke, w1=10.0, w2=60.0, w3=12.0).u1 == pytest.approx(0.3, rel=1e-14)
+    assert ss.drives.ThreePhase(u3=drive.u3, w1=10.0, w2=60.0, w3=12.0).u1 == pytest.approx(0.3, rel=1e-14)
+    assert ss.drives.ThreePhase(u1=0.3, u3=drive.u3, w1=10.0, w2=60.0, w3=12.0) == drive
 
 
 def test_a_bang_bang_drive_and_a_trapezoid_may_be_given_by_their_stroke():
-    bang, smooth = ss.BangBang.example(), ss.Trapezoid.example()
-    assert ss.BangBang(a1=20.0, a2=40.0, stroke=bang.stroke).period == pytest.approx(0.03, rel=1e-14)
-    assert ss.BangBang(a1=20.0, a2=40.0, t1=bang.t1, t2=bang.t2).period == pytest.approx(0.03, rel=1e-14)
-    assert ss.Trapezoid(u1=0.05, u2=0.4, ramp=0.01, stroke=smooth.stroke).period == pytest.approx(0.25, rel=1e-13)
+    bang, smooth = ss.drives.BangBang.example(), ss.drives.Trapezoid.example()
+    assert ss.drives.BangBang(a1=20.0, a2=40.0, stroke=bang.stroke).period == pytest.approx(0.03, rel=1e-14)
+    assert ss.drives.BangBang(a1=20.0, a2=40.0, t1=bang.t1, t2=bang.t2).period == pytest.approx(0.03, rel=1e-14)
+    assert ss.drives.Trapezoid(u1=0.05, u2=0.4, ramp=0.01, stroke=smooth.stroke).period == pytest.approx(0.25, rel=1e-13)
 
 
 @each_row(
     ("make", "says"),
     [
-        (lambda: ss.TwoPhase(stroke=0.01, u1=0.05, u2=0.4, t1=0.3), "u1 t1 = .* m and stroke = 0.01 m; allowed is one stroke for both"),
-        (lambda: ss.TwoPhase(u1=0.05, t1=0.2, u2=0.4, t2=0.2), "allowed is one stroke for both phases"),
-        (lambda: ss.TwoPhase(u1=0.05, u2=0.4), "does not settle stroke"),
-        (lambda: ss.TwoPhase(stroke=0.01, u1=-0.05, u2=0.0), "2 problems"),
-        (lambda: ss.ThreePhase(u1=0.3, w1=10.0, w2=60.0, w3=12.0, u3=0.3), "u3 = 0.3 do not agree: u3 asks for u1 = 0.2777"),
-        (lambda: ss.ThreePhase(u1=0.3, stroke=0.01, w1=10.0, w2=60.0, w3=12.0), "allowed is a motion that closes"),
-        (lambda: ss.ThreePhase(w1=10.0, w2=60.0, w3=12.0), "u1 is missing; allowed is u1, stroke or u3"),
-        (lambda: ss.ThreePhase(u1=0.3, w1=10.0, w3=12.0), "w2 is missing"),
-        (lambda: ss.ThreePhase(u1=0.3, w1=10.0, w2=1e30, w3=12.0), "too short for double precision"),
-        (lambda: ss.BangBang(a1=20.0, a2=40.0, t1=0.02, t2=0.02), "do not agree: t2 asks for period = 0.06"),
-        (lambda: ss.BangBang(a1=20.0), "period is missing"),
-        (lambda: ss.BangBang(period=0.03), "a1 is missing"),
-        (lambda: ss.Trapezoid(u1=0.05, u2=0.4, ramp=0.03, period=0.25), "leaves no plateau"),
-        (lambda: ss.Trapezoid(u1=0.05, u2=0.4, ramp=0.0, period=0.25), "ramp = 0.0; allowed is a positive number"),
+        (lambda: ss.drives.TwoPhase(stroke=0.01, u1=0.05, u2=0.4, t1=0.3),
+        "u1 t1 = .* m and stroke = 0.01 m; allowed is one stroke for both"),
+        (lambda: ss.drives.TwoPhase(u1=0.05, t1=0.2, u2=0.4, t2=0.2), "allowed is one stroke for both phases"),
+        (lambda: ss.drives.TwoPhase(u1=0.05, u2=0.4), "does not settle stroke"),
+        (lambda: ss.drives.TwoPhase(stroke=0.01, u1=-0.05, u2=0.0), "2 problems"),
+        (lambda: ss.drives.ThreePhase(u1=0.3, w1=10.0, w2=60.0, w3=12.0, u3=0.3), "u3 = 0.3 do not agree: u3 asks for u1 = 0.2777"),
+        (lambda: ss.drives.ThreePhase(u1=0.3, stroke=0.01, w1=10.0, w2=60.0, w3=12.0), "allowed is a motion that closes"),
+        (lambda: ss.drives.ThreePhase(w1=10.0, w2=60.0, w3=12.0), "u1 is missing; allowed is u1, stroke or u3"),
+        (lambda: ss.drives.ThreePhase(u1=0.3, w1=10.0, w3=12.0), "w2 is missing"),
+        (lambda: ss.drives.ThreePhase(u1=0.3, w1=10.0, w2=1e30, w3=12.0), "too short for double precision"),
+        (lambda: ss.drives.BangBang(a1=20.0, a2=40.0, t1=0.02, t2=0.02), "do not agree: t2 asks for period = 0.06"),
+        (lambda: ss.drives.BangBang(a1=20.0), "period is missing"),
+        (lambda: ss.drives.BangBang(period=0.03), "a1 is missing"),
+        (lambda: ss.drives.Trapezoid(u1=0.05, u2=0.4, ramp=0.03, period=0.25), "leaves no plateau"),
+        (lambda: ss.drives.Trapezoid(u1=0.05, u2=0.4, ramp=0.0, period=0.25), "ramp = 0.0; allowed is a positive number"),
         (lambda: ss.MultiHarmonic(omega=205.0, amplitudes=(5e-4, 1e-4), phases=(0.0,)), "1 phases for 2 amplitudes"),
         (lambda: ss.MultiHarmonic(omega=205.0, amplitudes=()), "amplitudes is empty"),
         (lambda: ss.MultiHarmonic(omega=205.0, frequency=3.0, amplitudes=(1e-4,)), "exactly one of omega"),
         (lambda: ss.MultiHarmonic(omega=205.0, amplitudes=(1e-4, math.nan)), r"amplitudes\[1\] = nan"),
-        (lambda: ss.VerticalVibration(3.0, amplitude=1e-4), "allowed is a drive"),
-        (lambda: ss.VerticalVibration(ss.Harmonic.example(), amplitude=-1e-4, harmonic=0), "2 problems"),
-        (lambda: ss.Reversed(ss.Harmonic), "allowed is a drive"),
-        (lambda: ss.Recorded(period=0.1, cosines=(1e-4,), sines=()), "1 cosines and 0 sines"),
+        (lambda: ss.drives.VerticalVibration(3.0, amplitude=1e-4), "allowed is a drive"),
+        (lambda: ss.drives.VerticalVibration(ss.Harmonic.example(), amplitude=-1e-4, harmonic=0), "2 problems"),
+        (lambda: ss.drives.Reversed(ss.Harmonic), "allowed is a drive"),
+        (lambda: ss.drives.Recorded(period=0.1, cosines=(1e-4,), sines=()), "1 cosines and 0 sines"),
     ],
 )  # fmt: skip
 def test_what_does_not_make_a_drive_is_said(make, says):
@@ -321,7 +322,7 @@ INSTANTS = {
 @pytest.mark.parametrize(("what", "which"), each_once(["position", "velocity", "acceleration"], INSTANTS))
 def test_a_record_gives_back_its_harmonics(what, which):
     t = INSTANTS[which]
-    drive = ss.Recorded.from_samples(t, **{what: getattr(TRUE, what)(t)}, period=T)
+    drive = ss.drives.Recorded.from_samples(t, **{what: getattr(TRUE, what)(t)}, period=T)
     s = np.linspace(0, T, 57)
     assert drive.order == 3
     for motion in ("position", "velocity", "acceleration"):
@@ -330,16 +331,16 @@ def test_a_record_gives_back_its_harmonics(what, which):
 
 
 def test_the_position_of_a_record_has_no_mean():
-    drive = ss.Recorded.from_samples(EVEN, position=0.3 + TRUE.position(EVEN), period=T)
+    drive = ss.drives.Recorded.from_samples(EVEN, position=0.3 + TRUE.position(EVEN), period=T)
     assert drive.position(EVEN) == pytest.approx(TRUE.position(EVEN), abs=1e-12)
 
 
 def test_the_order_follows_the_tolerance_and_the_notes_say_what_is_left():
-    saw = ss.BangBang(a1=20.0, a2=40.0, period=0.03)
+    saw = ss.drives.BangBang(a1=20.0, a2=40.0, period=0.03)
     t = np.arange(3000) * 1e-5
     orders, left = [], []
     for tolerance in (1e-1, 1e-2, 1e-3):
-        drive = ss.Recorded.from_samples(t, velocity=saw.velocity(t), period=0.03, tolerance=tolerance)
+        drive = ss.drives.Recorded.from_samples(t, velocity=saw.velocity(t), period=0.03, tolerance=tolerance)
         misses = drive.velocity(t) - saw.velocity(t)
         left.append(float(np.sqrt(np.mean(misses**2)) / np.std(saw.velocity(t))))
         orders.append(drive.order)
@@ -352,27 +353,27 @@ def test_the_order_follows_the_tolerance_and_the_notes_say_what_is_left():
 
 
 def test_a_record_with_corners_keeps_most_harmonics_and_says_so():
-    two = ss.TwoPhase.example()
+    two = ss.drives.TwoPhase.example()
     t = np.arange(2000) * two.period / 2000
-    drive = ss.Recorded.from_samples(t, velocity=two.velocity(t) - two.velocity(t).mean(), period=two.period)
+    drive = ss.drives.Recorded.from_samples(t, velocity=two.velocity(t) - two.velocity(t).mean(), period=two.period)
     assert drive.order == 64
     assert "more than tolerance" in drive.notes[0]
 
 
 def test_noise_is_left_out_by_asking_for_an_order():
     noise = np.random.default_rng(1).normal(0, 1e-3, EVEN.size)
-    drive = ss.Recorded.from_samples(EVEN, velocity=TRUE.velocity(EVEN) + noise, period=T, order=3)
+    drive = ss.drives.Recorded.from_samples(EVEN, velocity=TRUE.velocity(EVEN) + noise, period=T, order=3)
     assert drive.order == 3
     assert drive.velocity(EVEN) == pytest.approx(TRUE.velocity(EVEN), abs=5 * 1e-3 * math.sqrt(7 / 400))  # 7 numbers from 400
 
 
 def test_a_copy_of_a_record_with_other_numbers_has_no_remark():
-    drive = ss.Recorded.from_samples(EVEN, position=TRUE.position(EVEN), period=T)
+    drive = ss.drives.Recorded.from_samples(EVEN, position=TRUE.position(EVEN), period=T)
     assert drive.notes and drive.replace(period=0.04).notes is None
 
 
 def bad(**changes):
-    return lambda: ss.Recorded.from_samples(**{"t": EVEN, "velocity": TRUE.velocity(EVEN), "period": T, **changes})
+    return lambda: ss.drives.Recorded.from_samples(**{"t": EVEN, "velocity": TRUE.velocity(EVEN), "period": T, **changes})
 
 
 @each_row(
@@ -455,18 +456,18 @@ def test_a_drive_of_ones_own_needs_a_period_and_a_motion():
 @pytest.mark.parametrize(
     ("drive", "published"),
     [
-        (ss.TwoPhase(stroke=0.01, u1=0.1, u2=0.1), 0.000470057764),
-        (ss.TwoPhase(stroke=0.01, u1=0.05, u2=0.4), 0.003305),
-        (ss.TwoPhase(stroke=0.01, u1=0.4, u2=0.05), None),
-        (ss.ThreePhase(u1=0.3, w1=10.0, w2=60.0, w3=12.0), 0.015990705704),
-        (ss.ThreePhase(u1=0.3, w1=17.0, w2=90.0, w3=18.0), None),
-        (ss.ThreePhase(u1=0.3, w1=4.0, w2=1e3, w3=18.0), None),
-        (ss.ThreePhase(u1=0.3, w1=12.0, w2=1e3, w3=18.0), None),
+        (ss.drives.TwoPhase(stroke=0.01, u1=0.1, u2=0.1), 0.000470057764),
+        (ss.drives.TwoPhase(stroke=0.01, u1=0.05, u2=0.4), 0.003305),
+        (ss.drives.TwoPhase(stroke=0.01, u1=0.4, u2=0.05), None),
+        (ss.drives.ThreePhase(u1=0.3, w1=10.0, w2=60.0, w3=12.0), 0.015990705704),
+        (ss.drives.ThreePhase(u1=0.3, w1=17.0, w2=90.0, w3=18.0), None),
+        (ss.drives.ThreePhase(u1=0.3, w1=4.0, w2=1e3, w3=18.0), None),
+        (ss.drives.ThreePhase(u1=0.3, w1=12.0, w2=1e3, w3=18.0), None),
     ],
     ids=["rests twice", "slides on", "slides back", "three phases", "three, stronger", "a quick return", "slides into the next push"],
 )  # fmt: skip
 def test_mean_velocities_on_paper_are_those_of_the_arcs(drive, published):
-    formula = (two_phase if isinstance(drive, ss.TwoPhase) else three_phase)(drive, MU, PLUS, MINUS)
+    formula = (two_phase if isinstance(drive, ss.drives.TwoPhase) else three_phase)(drive, MU, PLUS, MINUS)
     twin = Coasting(drive, MU, PLUS * G, MINUS * G).mean_velocity()
     assert formula == pytest.approx(twin, abs=1e-13)  # the twin's instants are good to 1e-16 s at velocities below 1 m/s
     if published is not None:
@@ -475,16 +476,16 @@ def test_mean_velocities_on_paper_are_those_of_the_arcs(drive, published):
 
 @pytest.mark.parametrize("name", ["harmonic", "multiharmonic", "twophase", "threephase", "bangbang", "trapezoid", "recorded"])
 def test_every_example_moves_the_robot_forwards_and_its_reverse_the_mirrored_one_back(name):
-    drive = ss.DRIVES[name].example()
+    drive = ss.drives.DRIVES[name].example()
     there = Coasting(drive, MU, 0.15 * G, 0.21 * G).mean_velocity(8)
     assert there > 1e-4
-    assert Coasting(ss.Reversed(drive), MU, 0.21 * G, 0.15 * G).mean_velocity(8) == pytest.approx(-there, rel=1e-9)
+    assert Coasting(ss.drives.Reversed(drive), MU, 0.21 * G, 0.15 * G).mean_velocity(8) == pytest.approx(-there, rel=1e-9)
 
 
 def test_one_of_the_two_phase_formulas_always_holds():
     rng = np.random.default_rng(3)
     for u1, u2, plus, minus in rng.uniform(0.05, 0.5, (20, 4)):
-        drive = ss.TwoPhase(stroke=0.02, u1=u1, u2=u2)
+        drive = ss.drives.TwoPhase(stroke=0.02, u1=u1, u2=u2)
         twin = Coasting(drive, MU, plus * G, minus * G).mean_velocity(20)
         assert two_phase(drive, MU, plus, minus) == pytest.approx(twin, abs=1e-13)
 
@@ -493,20 +494,20 @@ def test_the_three_phase_drive_with_an_instant_return():
     # as the phase of -w2 becomes a jump; what is left of it is of the order g/w2
     stroke, w = 0.00525, MINUS * G / MU
     limit = MINUS / (MINUS + PLUS) * math.sqrt(2 * MU * stroke * MINUS * G)
-    drive = ss.ThreePhase(stroke=stroke, w1=w, w2=1e13, w3=w)
+    drive = ss.drives.ThreePhase(stroke=stroke, w1=w, w2=1e13, w3=w)
     assert three_phase(drive, MU, PLUS, MINUS) == pytest.approx(limit, rel=1e-11)
     assert Coasting(drive, MU, PLUS * G, MINUS * G).mean_velocity() == pytest.approx(limit, rel=1e-11)
 
 
 def test_paper_has_no_answer_where_the_three_phase_body_slides_back():
-    assert math.isnan(three_phase(ss.ThreePhase(u1=0.3, w1=30.0, w2=60.0, w3=12.0), MU, PLUS, MINUS))
-    assert three_phase(ss.ThreePhase(u1=0.3, w1=5.0, w2=5.0, w3=5.0), MU, PLUS, MINUS) == 0
+    assert math.isnan(three_phase(ss.drives.ThreePhase(u1=0.3, w1=30.0, w2=60.0, w3=12.0), MU, PLUS, MINUS))
+    assert three_phase(ss.drives.ThreePhase(u1=0.3, w1=5.0, w2=5.0, w3=5.0), MU, PLUS, MINUS) == 0
     with pytest.raises(ss.InputError, match="allowed is a TwoPhase"):
         two_phase(ss.Harmonic.example(), MU, PLUS, MINUS)
 
 
 def test_a_vertical_vibration_changes_the_load_by_the_inner_mass_times_its_acceleration():
-    drive = ss.VerticalVibration(ss.Harmonic(amplitude=5e-4, omega=200.0), amplitude=1e-4, phase=math.pi)
+    drive = ss.drives.VerticalVibration(ss.Harmonic(amplitude=5e-4, omega=200.0), amplitude=1e-4, phase=math.pi)
     robot = rig(drive, track=ss.Incline(tilt=0.1))
     t, h = np.linspace(0, 0.1, 11), 1e-5
     rate = (drive.vertical_position(t + h) - 2 * drive.vertical_position(t) + drive.vertical_position(t - h)) / h**2
@@ -520,7 +521,7 @@ def test_vertical_vibration_drives_a_robot_whose_friction_is_the_same_both_ways(
     # arcsin(V/a) = b sin(phi) sqrt(1 - (V/a)^2); b = .5, phi = pi/2 gives V/a = .435130859037
     b, phase, a = 0.5, math.pi / 2, 1.0
     horizontal = ss.Harmonic(amplitude=a / MU, omega=1.0)  # body: a sin t
-    robot = rig(ss.VerticalVibration(horizontal, amplitude=b * G / MU, phase=phase + math.pi), mu_plus=1e-3, mu_minus=1e-3)
+    robot = rig(ss.drives.VerticalVibration(horizontal, amplitude=b * G / MU, phase=phase + math.pi), mu_plus=1e-3, mu_minus=1e-3)
     t = (np.arange(200_000) + 0.5) * 2 * np.pi / 200_000
     assert robot.acceleration(t, 0.0, 0.0, 0.0) == pytest.approx(a * np.sin(t), abs=1e-13)
     V = 0.435130859037
@@ -530,19 +531,22 @@ def test_vertical_vibration_drives_a_robot_whose_friction_is_the_same_both_ways(
 
 
 def test_a_reversed_drive_turns_the_jumps_and_keeps_the_vertical_motion():
-    drive = ss.VerticalVibration(ss.TwoPhase.example(), amplitude=1e-5)
-    back = ss.Reversed(drive)
+    drive = ss.drives.VerticalVibration(ss.drives.TwoPhase.example(), amplitude=1e-5)
+    back = ss.drives.Reversed(drive)
     assert back.jumps == tuple((t, -jump) for t, jump in drive.jumps)
     assert back.vertical_acceleration(0.01) == drive.vertical_acceleration(0.01)
-    assert ss.Reversed(ss.TwoPhase.example()).vertical_acceleration is None
+    assert ss.drives.Reversed(ss.drives.TwoPhase.example()).vertical_acceleration is None
 
 
 BODY = "[robot]\nbody_mass = 0.06\ninner_mass = 0.01\n[robot.friction]\nkind = 'coulomb'\nmu_plus = 0.1\nmu_minus = 0.2\n"
 WAYS = [  # a drive as a file may give it, and the same in Python
     ("kind = 'harmonic'\namplitude = 1e-3\nfrequency = 30.0", ss.Harmonic(amplitude=1e-3, frequency=30.0)),
     ("kind = 'multiharmonic'\namplitudes = [1e-3]\nfrequency = 30.0", ss.MultiHarmonic(amplitudes=(1e-3,), frequency=30.0)),
-    ("kind = 'twophase'\nu1 = 0.05\nt1 = 0.02\nt2 = 0.01", ss.TwoPhase(u1=0.05, t1=0.02, t2=0.01)),
-    ("kind = 'trapezoid'\nu1 = 0.1\nu2 = 0.1\nramp = 1e-3\nfrequency = 10.0", ss.Trapezoid(u1=0.1, u2=0.1, ramp=1e-3, frequency=10.0)),
+    ("kind = 'twophase'\nu1 = 0.05\nt1 = 0.02\nt2 = 0.01", ss.drives.TwoPhase(u1=0.05, t1=0.02, t2=0.01)),
+    (
+        "kind = 'trapezoid'\nu1 = 0.1\nu2 = 0.1\nramp = 1e-3\nfrequency = 10.0",
+        ss.drives.Trapezoid(u1=0.1, u2=0.1, ramp=1e-3, frequency=10.0),
+    ),
 ]
 
 
@@ -550,7 +554,7 @@ WAYS = [  # a drive as a file may give it, and the same in Python
 def test_a_file_takes_what_the_constructor_takes(text, drive):
     assert ss.Robot.from_toml(f"{BODY}[robot.drive]\n{text}\n").drive == drive
     around = f"{BODY}[robot.drive]\nkind = 'reversed'\n[robot.drive.drive]\n{text}\n"
-    assert ss.Robot.from_toml(around).drive == ss.DRIVES["reversed"](drive)
+    assert ss.Robot.from_toml(around).drive == ss.drives.DRIVES["reversed"](drive)
 
 
 def test_a_file_takes_nothing_that_the_constructor_does_not_take():
@@ -562,7 +566,7 @@ def test_a_file_takes_nothing_that_the_constructor_does_not_take():
 
 @pytest.mark.parametrize(("W", "V"), [(60.0, 0.043993752547554), (200.0, None)])
 def test_the_verge_gait_is_as_fast_as_its_formula_and_faster_than_three_phases(W, V):
-    drive = ss.Pieces.verge(acceleration=W, stroke=0.01, mass_ratio=MU, mu_plus=PLUS, mu_minus=MINUS)
+    drive = ss.drives.Pieces.verge(acceleration=W, stroke=0.01, mass_ratio=MU, mu_plus=PLUS, mu_minus=MINUS)
     p = MINUS / (PLUS + MINUS)
     told = p**2 * drive.period * (MU**2 * W**2 - (PLUS * G) ** 2) / (4 * MU * W)
     if V is not None:
@@ -574,15 +578,15 @@ def test_the_verge_gait_is_as_fast_as_its_formula_and_faster_than_three_phases(W
 
 def test_pieces_that_do_not_close_say_what_would():
     with pytest.raises(ss.InputError, match=r"changes by 0.1 m/s.*type accelerations\[1\] = -10"):
-        ss.Pieces(durations=(0.02, 0.01), accelerations=(5.0, 0.0))
+        ss.drives.Pieces(durations=(0.02, 0.01), accelerations=(5.0, 0.0))
     with pytest.raises(ss.InputError, match="2 durations and 3 accelerations"):
-        ss.Pieces(durations=(0.02, 0.01), accelerations=(5.0, -5.0, 0.0))
+        ss.drives.Pieces(durations=(0.02, 0.01), accelerations=(5.0, -5.0, 0.0))
     with pytest.raises(ss.InputError, match=r"durations\[1\] = -0.01"):
-        ss.Pieces(durations=(0.02, -0.01), accelerations=(5.0, -5.0))
+        ss.drives.Pieces(durations=(0.02, -0.01), accelerations=(5.0, -5.0))
 
 
 def test_a_sawtooth_is_two_phases_by_their_durations():
-    saw, two = ss.Sawtooth(stroke=0.01, rise=0.2, fall=0.025), ss.TwoPhase(stroke=0.01, t1=0.2, t2=0.025)
+    saw, two = ss.drives.Sawtooth(stroke=0.01, rise=0.2, fall=0.025), ss.drives.TwoPhase(stroke=0.01, t1=0.2, t2=0.025)
     t = np.linspace(0.0, 0.5, 101)
     assert np.array_equal(saw.velocity(t), two.velocity(t)) and saw.jumps == two.jumps
     V = ss.mean_velocity(ss.solve(rig(saw), periods=20))
@@ -597,7 +601,7 @@ def test_a_piece_of_hardly_any_time_changes_hardly_anything(share):
     def V(short: float) -> float:
         durations = (6e-4, short, T)
         last = -(first * durations[0] + second * short) / T
-        drive = ss.Pieces(durations=durations, accelerations=(first, second, last))
+        drive = ss.drives.Pieces(durations=durations, accelerations=(first, second, last))
         robot = ss.Robot(body_mass=0.87, inner_mass=0.13, drive=drive, friction=ss.Coulomb(0.15, 0.25))
         return ss.mean_velocity(ss.solve(robot, periods=20, settle=2, keep="summary"))
 

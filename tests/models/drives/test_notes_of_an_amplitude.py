@@ -11,7 +11,7 @@ FOUND = "the amplitude was found for 33.4 Hz and is kept at another frequency"
 def test_a_beams_amplitude_at_another_frequency_has_a_note():
     moved = RIG.replace({"drive.omega": "40 Hz"})
     assert not any(FOUND in note for note in RIG.notes) and FOUND in moved.notes[0]
-    beam = ss.PiezoBeam().drive(voltage=20.0, frequency=40.0)
+    beam = ss.drives.PiezoBeam().drive(voltage=20.0, frequency=40.0)
     assert moved.drive.amplitude > 4 * beam.amplitude  # what the note warns of: 33.4 Hz is the resonance
     assert FOUND in moved.replace({"drive.omega": 250.0}).notes[0]  # it was found for 33.4 Hz, not for the 40 Hz in between
     assert FOUND in RIG.replace({"drive.omega": np.array([200.0, 250.0])}).notes[0]

@@ -9,7 +9,7 @@ import stickslip as ss
 from rows import each_row
 from stickslip.models.drives.oscillator import modal_response, sine_from_rest
 
-BEAM = ss.PiezoBeam()
+BEAM = ss.drives.PiezoBeam()
 F1 = float(BEAM.frequencies(1)[0])
 RIG = {"voltage": 20.0, "frequency": 32.7, "tilt_deg": 1.7}
 
@@ -36,9 +36,9 @@ def test_the_lowest_frequency_is_nearly_that_of_a_spring_with_a_mass():
 
 
 def test_eigenvalues_are_those_of_the_tip_mass_ratio():
-    assert np.array_equal(BEAM.eigenvalues(3), ss.cantilever_eigenvalues(BEAM.tip_mass_ratio, 3))
+    assert np.array_equal(BEAM.eigenvalues(3), ss.drives.cantilever_eigenvalues(BEAM.tip_mass_ratio, 3))
     assert len(BEAM.eigenvalues()) == BEAM.modes
-    assert ss.PiezoBeam(tip_mass=0.0).eigenvalues(2) == pytest.approx([1.875104069, 4.694091133], abs=1e-9)
+    assert ss.drives.PiezoBeam(tip_mass=0.0).eigenvalues(2) == pytest.approx([1.875104069, 4.694091133], abs=1e-9)
 
 
 def test_a_slow_voltage_bends_the_beam_as_statics_say():
@@ -173,7 +173,7 @@ def test_sweeps_take_the_numbers_of_the_beam():
 
 
 def test_a_beam_of_your_own_can_be_given_and_changed():
-    beam = ss.PiezoBeam(length=0.12, damping=(0.02, 0.01), modes=2)
+    beam = ss.drives.PiezoBeam(length=0.12, damping=(0.02, 0.01), modes=2)
     assert rig(beam=beam).drive == beam.drive(20.0, 32.7)
     assert rig(beam=beam, length=0.1).drive == beam.replace(length=0.1).drive(20.0, 32.7)
 
@@ -216,14 +216,14 @@ def test_remarks_are_saved_with_the_robot_and_dropped_with_the_numbers():
 @each_row(
     ("make", "parts"),
     [
-        (lambda: ss.PiezoBeam(length=-0.1), ("length = -0.1", "positive length")),
-        (lambda: ss.PiezoBeam(patch_length=0.2), ("patch_length = 0.2 is more than length = 0.1", "patch_length=0.03")),
-        (lambda: ss.PiezoBeam(d31=0.0), ("d31 = 0.0", "other than zero")),
-        (lambda: ss.PiezoBeam(damping=0.0), ("damping = 0.0", "above 0 and below 1")),
-        (lambda: ss.PiezoBeam(damping=(0.02, 1.5), modes=2), ("damping = (0.02, 1.5)", "above 0 and below 1")),
-        (lambda: ss.PiezoBeam(damping=(0.02, 0.01)), ("2 ratios for modes = 8", "modes=2")),
-        (lambda: ss.PiezoBeam(damping=[0.02, 0.01]), ("is a list", "modes as a tuple")),
-        (lambda: ss.PiezoBeam(modes=0), ("modes = 0", "whole number from 1")),
+        (lambda: ss.drives.PiezoBeam(length=-0.1), ("length = -0.1", "positive length")),
+        (lambda: ss.drives.PiezoBeam(patch_length=0.2), ("patch_length = 0.2 is more than length = 0.1", "patch_length=0.03")),
+        (lambda: ss.drives.PiezoBeam(d31=0.0), ("d31 = 0.0", "other than zero")),
+        (lambda: ss.drives.PiezoBeam(damping=0.0), ("damping = 0.0", "above 0 and below 1")),
+        (lambda: ss.drives.PiezoBeam(damping=(0.02, 1.5), modes=2), ("damping = (0.02, 1.5)", "above 0 and below 1")),
+        (lambda: ss.drives.PiezoBeam(damping=(0.02, 0.01)), ("2 ratios for modes = 8", "modes=2")),
+        (lambda: ss.drives.PiezoBeam(damping=[0.02, 0.01]), ("is a list", "modes as a tuple")),
+        (lambda: ss.drives.PiezoBeam(modes=0), ("modes = 0", "whole number from 1")),
         (lambda: BEAM.response(-1.0, 10.0), ("voltage = -1.0", "zero or more")),
         (lambda: BEAM.response(1.0, 0.0), ("frequency = 0.0", "positive frequency")),
         (lambda: BEAM.response([1.0, 2.0], [1.0, 2.0, 3.0]), ("do not fit together", "frequency has shape (3,)")),
@@ -231,7 +231,7 @@ def test_remarks_are_saved_with_the_robot_and_dropped_with_the_numbers():
         (lambda: BEAM.transient([0.0, 0.0], 1.0, 10.0), ("t = ", "ascending times")),
         (lambda: BEAM.transient([0.0, 1.0], [1.0, 2.0, 3.0]), ("shape (3,)", "frequency=32.7")),
         (lambda: BEAM.replace(length=np.array([0.1, 0.2])).transient([0.0, 1.0], 1.0, 10.0), ("one beam",)),
-        (lambda: rig(beam="steel"), ("beam = 'steel'", "ss.PiezoBeam(length=0.1)")),
+        (lambda: rig(beam="steel"), ("beam = 'steel'", "ss.drives.PiezoBeam(length=0.1)")),
     ],
 )
 def test_bad_input_says_what_to_type(make, parts):

@@ -13,7 +13,7 @@ OMEGA = 2 * np.pi / PERIOD
 
 
 def taken(t, velocity, **more):
-    return ss.Recorded.from_samples(t, velocity=velocity, period=PERIOD, **more)
+    return ss.drives.Recorded.from_samples(t, velocity=velocity, period=PERIOD, **more)
 
 
 def even(count, per_period=100):

@@ -39,20 +39,20 @@ WITH_OIL = {
 @each_row("v", [0.3, -0.3])
 def test_the_viscous_term_opposes_motion_in_every_law_that_has_one(name, v):
     """R at v less R at rest, with inner states and their rates held: sigma2 v."""
-    law, ((z, zdot), mode) = ss.LAWS[name].example(), WITH_OIL[name]
+    law, ((z, zdot), mode) = ss.friction.LAWS[name].example(), WITH_OIL[name]
     assert law.force(v, z, zdot, LOAD, *mode) - law.force(0.0, z, zdot, LOAD, *mode) == pytest.approx(law.sigma2 * v, rel=1e-9)
 
 
 @pytest.mark.parametrize("name", ["dahl", "lugre", "elastoplastic"])
 def test_the_typical_deflection_is_that_of_sliding_fast_on_average_of_both_ways(name):
     """Where the rate vanishes at a speed far above the Stribeck velocity: mu N / sigma0."""
-    law = ss.LAWS[name].example()
+    law = ss.friction.LAWS[name].example()
     ends = [brentq(lambda z, v=v: law.rate(v, z, LOAD), 0.0, 2 * v * law.scale(LOAD) / abs(v), xtol=1e-20) for v in (1.0, -1.0)]
     assert law.scale(LOAD) == pytest.approx(0.5 * (ends[0] - ends[1]), rel=1e-6)
 
 
 def test_the_typical_deflections_of_elements_are_where_each_slips_on_average_of_both_ways():
-    law = ss.GMS.example()
+    law = ss.friction.GMS.example()
     limits = [
         0.5 * (law.mu_plus + law.mu_minus) * LOAD * share / (part * law.sigma0)
         for part, share in zip(law.stiffness, law.weights, strict=True)
@@ -66,13 +66,13 @@ def test_the_typical_deflections_of_elements_are_where_each_slips_on_average_of_
 
 
 def test_the_typical_deflection_of_the_reset_integrator_is_its_bound_on_average_of_both_ways():
-    law = ss.ResetIntegrator.example()
+    law = ss.friction.ResetIntegrator.example()
     (_, _, forward), (_, _, backward) = law.switches(0.1, 0.0, LOAD, (0,))[1:]
     assert law.scale(LOAD) == pytest.approx(0.5 * (forward - backward), rel=1e-12)
 
 
 def test_the_typical_deflection_of_bristles_is_the_mean_force_over_the_stiffness():
-    law = ss.Bristle.example()
+    law = ss.friction.Bristle.example()
     assert law.scale(LOAD) == pytest.approx([0.5 * (law.mu_plus + law.mu_minus) * LOAD / law.sigma0] * law.bristles, rel=1e-12)
 
 
@@ -87,8 +87,8 @@ def test_bristles_draw_by_splitmix64():
 
 def test_a_vertical_vibration_inside_another_adds_to_the_load():
     """m times the second difference of both heights; it would be twice one of them if the inner one were taken for the outer."""
-    inner = ss.VerticalVibration(ss.Harmonic(amplitude=5e-4, omega=200.0), amplitude=1e-4, phase=0.3)
-    outer = ss.VerticalVibration(inner, amplitude=4e-5, phase=1.1, harmonic=2)
+    inner = ss.drives.VerticalVibration(ss.Harmonic(amplitude=5e-4, omega=200.0), amplitude=1e-4, phase=0.3)
+    outer = ss.drives.VerticalVibration(inner, amplitude=4e-5, phase=1.1, harmonic=2)
     robot = ss.Robot(body_mass=0.06, inner_mass=0.01, drive=outer, friction=ss.Coulomb(0.2, 0.2))
     t, h = np.linspace(0.0, outer.period, 17), 1e-6
     rise = sum((d.vertical_position(t + h) - 2 * d.vertical_position(t) + d.vertical_position(t - h)) / h**2 for d in (inner, outer))
@@ -114,7 +114,7 @@ def test_bristles_that_slide_have_the_friction_of_their_side():
 
 @pytest.mark.parametrize(("u1", "u2"), [(0.02, 0.05), (0.05, 0.02)])
 def test_the_scale_of_two_phases_is_the_faster_one(u1, u2):
-    assert ss.TwoPhase.example().replace({"u1": u1, "u2": u2}).velocity_scale == 0.05
+    assert ss.drives.TwoPhase.example().replace({"u1": u1, "u2": u2}).velocity_scale == 0.05
 
 
 @pytest.mark.parametrize("phase", [0.0, math.pi])
@@ -134,7 +134,7 @@ def test_the_drive_force_is_what_the_inner_mass_does_to_the_body():
 @pytest.mark.parametrize("name", ["lugre", "stribeck", "elastoplastic", "gms"])
 def test_without_static_coefficients_the_slowest_motion_has_the_kinetic_ones(name):
     """f = None is f = mu, on each side: the Stribeck curve is flat, and equal numbers named twice give the same forces."""
-    law = ss.LAWS[name].example().replace(f_plus=None, f_minus=None)
+    law = ss.friction.LAWS[name].example().replace(f_plus=None, f_minus=None)
     named = law.replace(f_plus=law.mu_plus, f_minus=law.mu_minus)
     if hasattr(law, "coefficient"):
         assert [law.coefficient(v) for v in (1e-12, 1.0, -1e-12, -1.0)] == [law.mu_plus] * 2 + [law.mu_minus] * 2
@@ -169,7 +169,7 @@ def test_a_dynamic_law_holds_what_its_static_coefficients_bear_and_one_that_name
 @pytest.mark.parametrize(("mode", "coefficient"), [(1, 0.15), (-1, -0.21)])
 def test_the_spring_of_the_reset_integrator_is_at_its_bound_when_sliding_ends(mode, coefficient):
     """Also where the load, and with it the bound, changed since sliding began."""
-    law = ss.ResetIntegrator.example()
+    law = ss.friction.ResetIntegrator.example()
     bound = coefficient * LOAD / law.sigma0
     assert law.switches(0.0, 0.3 * bound, LOAD, (mode,))[0][1:] == ((0,), pytest.approx(bound, rel=1e-15))
     assert adapted(law).passed_zero((0.3 * bound,), LOAD, (mode,), side=mode) == ((pytest.approx(bound, rel=1e-15),), (0,))
@@ -180,7 +180,7 @@ def test_the_spring_of_the_reset_integrator_is_at_its_bound_when_sliding_ends(mo
 @pytest.mark.parametrize(("v", "coefficient"), [(0.1, 0.15), (-0.1, -0.21)])
 def test_a_bristle_snaps_at_one_and_a_half_mean_deflections_to_somewhere_before(v, coefficient):
     """1.5 mu N/sigma0, and drawn evenly from there to 0, by the docstring of the law."""
-    law = ss.Bristle.example()
+    law = ss.friction.Bristle.example()
     reach = 1.5 * coefficient * LOAD / law.sigma0
     for i, (guard, mode, z) in enumerate(law.switches(v, (reach,) * 10, LOAD, (0,) * 10)):
         assert guard == pytest.approx(0.0, abs=1e-15 * LOAD) and mode == (0,) * i + (1,) + (0,) * (9 - i)
@@ -190,7 +190,7 @@ def test_a_bristle_snaps_at_one_and_a_half_mean_deflections_to_somewhere_before(
 
 def test_a_table_whose_curve_begins_or_ends_flat_stays_flat_there():
     for mu in ((0.2, 0.2, 0.1, 0.1), (0.1, 0.1, 0.2, 0.2)):
-        law = ss.Tabulated(speed=(0.01, 0.02, 0.03, 0.05), mu_plus=mu, mu_minus=(0.3, 0.25, 0.2, 0.1))
+        law = ss.friction.Tabulated(speed=(0.01, 0.02, 0.03, 0.05), mu_plus=mu, mu_minus=(0.3, 0.25, 0.2, 0.1))
         assert [law.coefficient(v) for v in (1e-3, 0.011, 0.017, 0.02, 0.03, 0.041, 0.05, 1.0)] == pytest.approx(
             [mu[0]] * 4 + [mu[-1]] * 4, rel=1e-14
         )
@@ -204,10 +204,10 @@ def test_what_is_no_tuple_of_numbers_is_no_several_numbers():
 
 @pytest.mark.parametrize("turned", [False, True])
 def test_a_sum_with_random_bristles_is_random_and_not_compiled_whichever_comes_first(turned):
-    parts = [ss.Bristle.example(), ss.Viscous.example()]
-    law = ss.Sum(*parts[::-1]) if turned else ss.Sum(*parts)
+    parts = [ss.friction.Bristle.example(), ss.Viscous.example()]
+    law = ss.friction.Sum(*parts[::-1]) if turned else ss.friction.Sum(*parts)
     assert adapted(law).random and not adapted(law).compiles and adapted(law).states == adapted(law).modes == 10
-    calm = ss.Sum(ss.Dahl.example(), ss.Viscous.example())
+    calm = ss.friction.Sum(ss.Dahl.example(), ss.Viscous.example())
     assert not adapted(calm).random and adapted(calm).compiles
 
 
@@ -255,17 +255,17 @@ def test_only_the_error_that_arrays_cause_is_taken_for_theirs():
     assert "cannot take numbers that are arrays (which?)" in found[0][0] and found[1:] == [[], [], []]
 
 
-@each_row("name", sorted(set(ss.DRIVES) - {"reversed", "verticalvibration"}))
+@each_row("name", sorted(set(ss.drives.DRIVES) - {"reversed", "verticalvibration"}))
 def test_frequency_and_period_are_inverse(name):
-    drive = ss.DRIVES[name].example()
+    drive = ss.drives.DRIVES[name].example()
     assert drive.frequency * drive.period == pytest.approx(1.0, rel=1e-15)
     assert drive.omega == pytest.approx(2 * math.pi * drive.frequency, rel=1e-15)
 
 
 def test_a_bang_bang_drive_is_the_same_by_whatever_fixes_its_period():
-    drive = ss.BangBang(a1=20.0, a2=45.0, period=0.03)
+    drive = ss.drives.BangBang(a1=20.0, a2=45.0, period=0.03)
     for name in ("frequency", "stroke", "t1", "t2"):
-        assert ss.BangBang(a1=20.0, a2=45.0, **{name: getattr(drive, name)}).period == pytest.approx(0.03, rel=1e-14)
+        assert ss.drives.BangBang(a1=20.0, a2=45.0, **{name: getattr(drive, name)}).period == pytest.approx(0.03, rel=1e-14)
 
 
 def test_the_velocity_scale_of_a_drive_that_names_none_is_its_largest_of_sixty_four_instants():
@@ -293,7 +293,9 @@ def test_a_vertical_vibration_lifts_the_body_once_its_inertia_is_more_than_the_w
     """m a Omega^2 against (M + m) g = 0.687 N; the least load is found to a thousandth of it at 64 instants."""
     inner, period = ss.Harmonic(amplitude=1e-5, omega=200.0), 2 * math.pi / 200.0
     height = share * 0.07 * 9.81 / 0.01 * (period / (2 * math.pi)) ** 2
-    robot = ss.Robot(body_mass=0.06, inner_mass=0.01, drive=ss.VerticalVibration(inner, amplitude=height), friction=ss.Coulomb(0.2, 0.2))
+    robot = ss.Robot(
+        body_mass=0.06, inner_mass=0.01, drive=ss.drives.VerticalVibration(inner, amplitude=height), friction=ss.Coulomb(0.2, 0.2)
+    )
     assert len(robot.notes) == remarks
 
 
@@ -328,7 +330,7 @@ def test_the_extremes_of_a_series_are_those_at_the_zeros_of_its_slope(cosines, s
     assert series_range(cosines, sines) == pytest.approx(of_the_slope(cosines, sines), rel=1e-13)
     low, high = series_range([np.array([0.0, c]) for c in cosines], [np.array([1.0, s]) for s in sines])
     assert (low[1], high[1]) == pytest.approx(of_the_slope(cosines, sines), rel=1e-13)
-    stroke = ss.Recorded(period=0.03, cosines=tuple(map(float, cosines)), sines=tuple(map(float, sines))).stroke
+    stroke = ss.drives.Recorded(period=0.03, cosines=tuple(map(float, cosines)), sines=tuple(map(float, sines))).stroke
     assert stroke == pytest.approx(high[1] - low[1], rel=1e-13)
     assert series_range([0.0] * len(cosines), [0.0] * len(sines)) == (0.0, 0.0)
 
@@ -349,7 +351,7 @@ def test_numbers_of_a_bristle_are_drawn_by_the_published_generator():
 def test_the_acceleration_that_is_missing_is_named(missing):
     given = {name: 10.0 for name in ("w1", "w2", "w3") if name != missing}
     with pytest.raises(ss.InputError) as caught:
-        ss.ThreePhase(u1=0.3, **given)
+        ss.drives.ThreePhase(u1=0.3, **given)
     assert [problem.split(";")[0] for problem in caught.value.problems] == [f"{missing} is missing"]
 
 

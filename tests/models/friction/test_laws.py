@@ -29,13 +29,13 @@ from stickslip.models.friction.law_adapter import adapted, mirrored_law
 from stickslip.testing import Claim, LawReport, check_law
 
 #: Every law, and sums of each kind: set-valued, with a state, with memory.
-EVERY = examples(ss.LAWS) | {
+EVERY = examples(ss.friction.LAWS) | {
     "dry and oil": ss.Stribeck.example() + ss.Viscous.example(),
     "bristle and oil": ss.Viscous.example() + ss.LuGre.example(),
-    "elements and oil": ss.GMS.example() + ss.Viscous.example(),
-    "one element": ss.GMS.example().replace(stiffness=(1.0,), weights=(1.0,)),
-    "one bristle": ss.Bristle.example().replace(bristles=1),
-    "film and oil": ss.TanhCoulomb.example() + ss.Viscous.example(),
+    "elements and oil": ss.friction.GMS.example() + ss.Viscous.example(),
+    "one element": ss.friction.GMS.example().replace(stiffness=(1.0,), weights=(1.0,)),
+    "one bristle": ss.friction.Bristle.example().replace(bristles=1),
+    "film and oil": ss.friction.TanhCoulomb.example() + ss.Viscous.example(),
 }
 every_law = each_row("law", EVERY.values(), ids=EVERY)
 
@@ -116,13 +116,13 @@ def test_one_of_several_numbers_of_a_law_of_ones_own_is_changed():
         robot.replace({"friction.limits.5": 0.15})
 
 
-@each_row("name", ss.LAWS)
+@each_row("name", ss.friction.LAWS)
 def test_a_study_file_holds_every_law(name):
     robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=6e-4).replace(friction=EVERY[name])
     assert ss.Robot.from_toml(robot.to_toml()).friction == EVERY[name]
 
 
-@each_row("name", ss.LAWS)
+@each_row("name", ss.friction.LAWS)
 def test_every_approximation_says_so(name):
     law = EVERY[name]
     assert bool(getattr(law, "approximation", "")) == (name in ("tanhcoulomb", "deadband", "karnopp"))
@@ -193,9 +193,9 @@ def test_there_is_one_mirror_image_of_a_law():
     law = Leaning(mu=0.2, lean=0.05)
     assert check_law(law)["mirror symmetry"].value == 0.0
     robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=6e-4).replace(friction=law)
-    assert ss.mirrored(robot).friction == Leaning(0.2, -0.05)
-    both = ss.Sum(law, ss.Viscous(0.1, 0.3))
-    assert mirrored_law(both) == ss.Sum(Leaning(0.2, -0.05), ss.Viscous(0.3, 0.1))
+    assert ss.dynamics.mirrored(robot).friction == Leaning(0.2, -0.05)
+    both = ss.friction.Sum(law, ss.Viscous(0.1, 0.3))
+    assert mirrored_law(both) == ss.friction.Sum(Leaning(0.2, -0.05), ss.Viscous(0.3, 0.1))
     assert mirrored_law(mirrored_law(both)) == both
 
 
@@ -498,7 +498,7 @@ def test_dahl_returns_from_beyond_the_other_sides_limit():
 
 
 def test_elasto_plastic_is_lugre_without_an_elastic_range_once_it_slides():
-    law = ss.ElastoPlastic(1.0, 1.0, 1.5, 1.5, sigma0=1e5, sigma1=math.sqrt(1e5), sigma2=0.4, v_s=1e-3, z_ba=0.7e-5)
+    law = ss.friction.ElastoPlastic(1.0, 1.0, 1.5, 1.5, sigma0=1e5, sigma1=math.sqrt(1e5), sigma2=0.4, v_s=1e-3, z_ba=0.7e-5)
     for v in (1e-4, 1e-3, 1e-2):
         z = LUGRE_1995.coefficient(v) / 1e5
         assert law.rate(v, z, 1.0) == pytest.approx(0, abs=1e-16)
@@ -510,7 +510,7 @@ def test_elasto_plastic_does_not_drift_below_its_elastic_limit():
     """A force that stays below sigma0 z_ba moves the body to and fro; LuGre creeps under the same load (Dupont et al. 2002)."""
     from scipy.integrate import solve_ivp
 
-    plastic = ss.ElastoPlastic(1.0, 1.0, 1.5, 1.5, sigma0=1e5, sigma1=math.sqrt(1e5), sigma2=0.4, v_s=1e-3, z_ba=0.7e-5)
+    plastic = ss.friction.ElastoPlastic(1.0, 1.0, 1.5, 1.5, sigma0=1e5, sigma1=math.sqrt(1e5), sigma2=0.4, v_s=1e-3, z_ba=0.7e-5)
 
     def drift(law):
         def slope(t, y):
@@ -528,14 +528,14 @@ def test_elasto_plastic_does_not_drift_below_its_elastic_limit():
 @pytest.mark.parametrize(("share", "alpha"), [(0.0, 0.0), (0.5, 0.5), (1.0, 1.0), (0.25, 0.5 - 0.5 * math.sqrt(0.5))])
 def test_elasto_plastic_blend(share, alpha):
     """alpha is 0 at z_ba, 1/2 half way, 1 at z_ss, a sine between."""
-    law = ss.ElastoPlastic(0.2, 0.4, None, None, sigma0=1e5, sigma1=0.0, sigma2=0.0, v_s=1e-3, z_ba=1e-6, z_ba_minus=3e-6)
+    law = ss.friction.ElastoPlastic(0.2, 0.4, None, None, sigma0=1e5, sigma1=0.0, sigma2=0.0, v_s=1e-3, z_ba=1e-6, z_ba_minus=3e-6)
     for side, steady, elastic in ((1, 2e-6, 1e-6), (-1, 4e-6, 3e-6)):
         z = elastic + share * (steady - elastic)
         assert law.rate(side * 0.1, side * z, 1.0) == pytest.approx(side * 0.1 * (1 - alpha * z / steady), rel=1e-9, abs=1e-12)
 
 
 def test_elasto_plastic_says_where_it_is_elastic_too_far():
-    law = ss.ElastoPlastic(0.2, 0.4, None, None, sigma0=1e5, sigma1=0.0, sigma2=0.0, v_s=1e-3, z_ba=3e-6)
+    law = ss.friction.ElastoPlastic(0.2, 0.4, None, None, sigma0=1e5, sigma1=0.0, sigma2=0.0, v_s=1e-3, z_ba=3e-6)
     assert law.notes(1.0) == [
         "ElastoPlastic for v > 0: z_ba = 3e-06 m is not below mu N / sigma0 = 2e-06 m, so the contact is elastic up to 0.99 of that"
     ]
@@ -549,7 +549,7 @@ def test_elasto_plastic_says_where_it_is_elastic_too_far():
 
 def maxwell(attraction=1e6, **changes):
     """Elements that slip with a constant force: a flat Stribeck curve."""
-    return ss.GMS(0.2, 0.2, None, None, sigma0=1e5, v_s=1e-3, attraction=attraction, **changes)
+    return ss.friction.GMS(0.2, 0.2, None, None, sigma0=1e5, v_s=1e-3, attraction=attraction, **changes)
 
 
 def virgin(x, law, limit=0.2):
@@ -588,7 +588,7 @@ def test_gms_elements_slip_one_after_another_and_stick_together():
 
 def test_gms_slides_on_the_stribeck_curve():
     """In steady sliding every element carries its share: R = N g(v) + sigma2 v, both ways, and goes there in a time S/C."""
-    law = ss.GMS.example()
+    law = ss.friction.GMS.example()
     for v in (1e-3, -1e-3, 2e-2, -2e-2):
         g = {1: 0.15 + 0.03 * math.exp(-((v / 2e-3) ** 2)), -1: 0.21 + 0.03 * math.exp(-((v / 2e-3) ** 2))}[1 if v > 0 else -1]
         side = math.copysign(1, v)
@@ -612,7 +612,7 @@ def test_one_element_of_gms_is_a_spring_and_a_slider():
 
 def test_bristles_hold_mu_on_average():
     """Sixty snaps and more of each of 20 bristles: the mean of 1200 draws errs by about 1 %; 5 % are allowed."""
-    law = ss.Bristle(mu_plus=0.2, mu_minus=0.3, sigma0=1e4, bristles=20, seed=3)
+    law = ss.friction.Bristle(mu_plus=0.2, mu_minus=0.3, sigma0=1e4, bristles=20, seed=3)
     probe = Probe(law, 1.0)
     for side, mu in ((1.0, 0.2), (-1.0, 0.3)):
         reach, step = 1.5 * mu / 1e4, 0.02
@@ -641,7 +641,7 @@ def test_bristles_can_be_repeated_and_differ_by_seed():
 
 
 def test_the_reset_integrator_breaks_away_at_f_and_slides_at_mu():
-    law = ss.ResetIntegrator(0.15, 0.21, 0.18, 0.24, sigma0=4e5, sigma1=0.0)
+    law = ss.friction.ResetIntegrator(0.15, 0.21, 0.18, 0.24, sigma0=4e5, sigma1=0.0)
     for side, mu, f in ((1, 0.15, 0.18), (-1, 0.21, 0.24)):
         edge = side * mu / 4e5
         guards = [guard for guard, _, _ in law.switches(side * 1e-3, edge, 1.0, (0,))]
@@ -655,7 +655,7 @@ def test_the_reset_integrator_breaks_away_at_f_and_slides_at_mu():
 
 def test_the_reset_integrator_loses_what_its_loop_encloses():
     """Between -a and a in steady state: slide at mu N to the end, unload (f/mu sigma0 z), load the other way, slide again."""
-    law = ss.ResetIntegrator(0.2, 0.2, 0.3, 0.3, sigma0=1e5, sigma1=0.0)
+    law = ss.friction.ResetIntegrator(0.2, 0.2, 0.3, 0.3, sigma0=1e5, sigma1=0.0)
     a, edge = 10e-6, 2e-6
     run = shaken(Probe(law, 1.0), 2 * a, 1e-3)
     # each stroke: from -edge to 0 the spring gives back 1/2 f edge, from 0 to edge it takes the same, then mu N slides
@@ -722,7 +722,7 @@ def test_a_table_is_fritsch_and_butlands_cubic():
         (tuple(np.cumsum(rng.uniform(0.01, 1, 12))), tuple(rng.uniform(0.1, 0.3, 12))),
     ]
     for speed, mu in tables:
-        law = ss.Tabulated(speed=speed, mu_plus=mu, mu_minus=mu[::-1])
+        law = ss.friction.Tabulated(speed=speed, mu_plus=mu, mu_minus=mu[::-1])
         x = np.linspace(speed[0], speed[-1], 501)[1:]
         assert law.coefficient(x) == pytest.approx(PchipInterpolator(speed, mu)(x), abs=1e-14)
         assert law.coefficient(-x) == pytest.approx(PchipInterpolator(speed, mu[::-1])(x), abs=1e-14)
@@ -736,7 +736,9 @@ def test_a_fine_table_is_the_law_that_it_was_read_from():
     for count in (20, 40, 80):
         speed = np.linspace(0, 1e-2, count)
         law = ss.Stribeck(0.1, 0.2, 0.15, 0.3, v_s=2e-3)
-        table = ss.Tabulated(speed=tuple(speed), mu_plus=tuple(law.coefficient(speed + 1e-30)), mu_minus=tuple(law.coefficient(-speed)))
+        table = ss.friction.Tabulated(
+            speed=tuple(speed), mu_plus=tuple(law.coefficient(speed + 1e-30)), mu_minus=tuple(law.coefficient(-speed))
+        )
         x = np.linspace(1e-4, 9.9e-3, 977)
         errors.append(np.abs(table.coefficient(x) - law.coefficient(x)).max())
     assert errors[0] > 4 * errors[1] > 16 * errors[2]
@@ -746,7 +748,11 @@ def test_a_fine_table_is_the_law_that_it_was_read_from():
 
 
 def test_approximations_are_coulomb_far_from_rest():
-    for law in (ss.TanhCoulomb(0.15, 0.21, 1e-4), ss.DeadBand(0.15, 0.21, 1e-4), ss.Karnopp(0.15, 0.21, None, None, 1e-4)):
+    for law in (
+        ss.friction.TanhCoulomb(0.15, 0.21, 1e-4),
+        ss.friction.DeadBand(0.15, 0.21, 1e-4),
+        ss.friction.Karnopp(0.15, 0.21, None, None, 1e-4),
+    ):
         probe = Probe(law, 2.0)
         assert probe.force(0.01, (), ()) == pytest.approx(0.3, rel=1e-12)
         assert probe.force(-0.01, (), ()) == pytest.approx(-0.42, rel=1e-12)
@@ -754,7 +760,7 @@ def test_approximations_are_coulomb_far_from_rest():
 
 
 def test_karnopp_balances_up_to_break_away():
-    law = ss.Karnopp(0.15, 0.21, 0.18, 0.24, width=1e-3)
+    law = ss.friction.Karnopp(0.15, 0.21, 0.18, 0.24, width=1e-3)
     for applied, expected in ((0.0, 0.0), (0.3, 0.3), (0.5, 0.36), (-0.4, -0.4), (-0.6, -0.48)):
         assert law.force(5e-4, (), (), 2.0, applied) == pytest.approx(expected)
     assert law.force(2e-3, (), (), 2.0, 0.0) == pytest.approx(0.3)
@@ -772,37 +778,38 @@ BAD = [
     (lambda: ss.Dahl(0.2, 0.2, sigma0=-1.0), "sigma0 = -1.0; allowed is a positive stiffness [N/m]; type for example sigma0=400000"),
     (lambda: maxwell(weights=(0.5, 0.4), stiffness=(0.5, 0.5)),
      "weights = (0.5, 0.4) sum to 0.9; allowed are shares that sum to 1; divide each by their sum"),
-    (lambda: ss.Tabulated((), (), ()), "speed has 0 values; allowed is a table of two or more; type for example speed=(0.0, 0.1)"),
+    (lambda: ss.friction.Tabulated((), (), ()), "speed has 0 values; allowed is a table of two or more; type for example speed=(0.0, 0.1)"),
     (lambda: maxwell(weights=()), "weights is empty; allowed is one share or more; type for example weights=(0.5, 0.5)"),
     (lambda: maxwell(weights=(0.5, 0.5)), "stiffness has 4 values and weights 2; allowed is one of each for every element"),
     (lambda: maxwell(weights=(1.5, -0.5), stiffness=(0.5, 0.5)),
      "weights[1] = -0.5; allowed is several positive numbers that sum to 1; type for example weights=(0.1, 0.2, 0.3, 0.4)"),
     (lambda: maxwell(weights=1.0, stiffness=(1.0,)),
      "weights = 1.0; allowed is a tuple of numbers; type for example weights=(0.1, 0.2, 0.3, 0.4)"),
-    (lambda: ss.Tabulated((0.0, 1.0, 1.0), (0.1, 0.1, 0.1), (0.1, 0.1, 0.1)),
+    (lambda: ss.friction.Tabulated((0.0, 1.0, 1.0), (0.1, 0.1, 0.1), (0.1, 0.1, 0.1)),
      "the table is not single-valued: speed[2] = 1.0 after speed[1] = 1.0; allowed is one coefficient for a speed; remove one, or put "
      "their mean"),
-    (lambda: ss.Tabulated((0.0, 2.0, 1.0), (0.1, 0.1, 0.1), (0.1, 0.1, 0.1)),
+    (lambda: ss.friction.Tabulated((0.0, 2.0, 1.0), (0.1, 0.1, 0.1), (0.1, 0.1, 0.1)),
      "the table does not rise: speed[2] = 1.0 after speed[1] = 2.0; allowed are rising speeds; sort the table by speed"),
-    (lambda: ss.Tabulated((0.0, 1.0), (0.1, -0.1), (0.1, 0.1)),
+    (lambda: ss.friction.Tabulated((0.0, 1.0), (0.1, -0.1), (0.1, 0.1)),
      "mu_plus[1] = -0.1; allowed is several coefficients, zero or more; type for example mu_plus=(0.18, 0.165, 0.151, 0.15, 0.17)"),
-    (lambda: ss.Tabulated((0.0, 1.0), (0.1, math.nan), (0.1, 0.1)),
+    (lambda: ss.friction.Tabulated((0.0, 1.0), (0.1, math.nan), (0.1, 0.1)),
      "mu_plus[1] = nan; allowed is several coefficients, zero or more; type for example mu_plus=(0.18, 0.165, 0.151, 0.15, 0.17)"),
-    (lambda: ss.Tabulated((0.0, 1.0), (0.1, 0.1, 0.1), (0.1, 0.1)),
+    (lambda: ss.friction.Tabulated((0.0, 1.0), (0.1, 0.1, 0.1), (0.1, 0.1)),
      "mu_plus has 3 values and speed 2; allowed is one coefficient for every speed"),
-    (lambda: ss.Tabulated((0.0,), (0.1,), (0.1,)),
+    (lambda: ss.friction.Tabulated((0.0,), (0.1,), (0.1,)),
      "speed has 1 values; allowed is a table of two or more; type for example speed=(0.0, 0.1)"),
-    (lambda: ss.Tabulated((0.0, 1.0), (0.2, 0.1), (0.1, 0.1), f_plus=0.15),
+    (lambda: ss.friction.Tabulated((0.0, 1.0), (0.2, 0.1), (0.1, 0.1), f_plus=0.15),
      "f_plus = 0.15 is below mu_plus[0] = 0.2; allowed is f_plus >= mu_plus[0]; type f_plus=None for equal ones"),
-    (lambda: ss.Bristle(0.2, 0.2, 1e5, bristles=0), "bristles = 0; allowed is a whole number from 1; type for example bristles=10"),
-    (lambda: ss.Bristle(0.2, 0.2, 1e5, seed=1.5), "seed = 1.5; allowed is a whole number from 0; type for example seed=0"),
-    (lambda: ss.DeadBand(0.2, 0.2, width=0.0), "width = 0.0; allowed is a positive velocity [m/s]; type for example width=0.001"),
+    (lambda: ss.friction.Bristle(0.2, 0.2, 1e5, bristles=0),
+    "bristles = 0; allowed is a whole number from 1; type for example bristles=10"),
+    (lambda: ss.friction.Bristle(0.2, 0.2, 1e5, seed=1.5), "seed = 1.5; allowed is a whole number from 0; type for example seed=0"),
+    (lambda: ss.friction.DeadBand(0.2, 0.2, width=0.0), "width = 0.0; allowed is a positive velocity [m/s]; type for example width=0.001"),
     (lambda: ss.Dahl.example() + ss.LuGre.example(),
      "Dahl and LuGre both have inner states; allowed is one such law; write one law with both"),
-    (lambda: ss.Coulomb.example() + ss.GMS.example(),
+    (lambda: ss.Coulomb.example() + ss.friction.GMS.example(),
      "Coulomb and GMS: one has inner states and the other sticks; allowed beside a law with inner states is one without static "
      "friction, such as ss.Viscous"),
-    (lambda: ss.Karnopp.example() + ss.Viscous.example(),
+    (lambda: ss.friction.Karnopp.example() + ss.Viscous.example(),
      "Karnopp balances the other forces at rest, so nothing can be added to it; use ss.Coulomb, solved exactly"),
     (lambda: ss.Coulomb.example() + 1.0,
      "1.0 is not a friction law; allowed are two laws; type for example ss.Dahl(...) + ss.Viscous(...)"),
@@ -857,7 +864,7 @@ def test_check_law_wants_numbers_and_one_law():
         def breakaway(self, load):
             return -self.mu * load, self.mu * load
 
-    with pytest.raises(ss.InputError, match=r"Bare: mu has no example; type mu: float = field\(metadata=ss.quantity\("):
+    with pytest.raises(ss.InputError, match=r"Bare: mu has no example; type mu: float = field\(metadata=ss.quantities.quantity\("):
         check_law(Bare)
     with pytest.raises(ss.InputError, match="mu_plus of the law are arrays; allowed is one law, no batch"):
         check_law(ss.Coulomb.example().replace(mu_plus=np.array([0.1, 0.12])))

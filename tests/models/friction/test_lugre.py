@@ -38,7 +38,7 @@ def test_rtol_1e8_gives_six_digits_of_v_itself(name, tight):
 def test_tiny_drive_oscillates_before_sliding():
     """P5: at A = 1e-6 m the linear oscillator's answer mu/sqrt((a-1)^2+(b+c)^2), to 1e-3."""
     robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=1e-6)
-    form = ss.dimensionless(robot)
+    form = ss.analysis.dimensionless(robot)
     expected = form.mu / np.hypot(form.friction.a - 1, form.friction.b + form.friction.c)
     assert expected == pytest.approx(0.001006788, rel=1e-6)
     run = ss.solve(robot)
@@ -56,14 +56,14 @@ def test_dimensionless_form_is_the_same_robot():
     """Eq. 5.1 integrated as printed (with the right k3) gives the dimensional runs to 1e-9."""
     robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=np.array([3e-4, 4e-4, 5e-4, 6e-4, 8e-4]))
     scale = np.asarray(robot.velocity_scale)
-    one, other = ss.solve(robot, rtol=1e-10), ss.solve(ss.dimensionless(robot), rtol=1e-10)
+    one, other = ss.solve(robot, rtol=1e-10), ss.solve(ss.analysis.dimensionless(robot), rtol=1e-10)
     assert np.abs(other.mean_velocity * scale - one.mean_velocity).max() <= 1e-9 * scale.max() * robot.mass_ratio
 
 
 @each_row("name", [n for n in LUGRE if "P10" not in n])
 def test_every_folded_row_agrees_in_dimensionless_form(name, tight):
     robot = lugre(name)
-    V = ss.mean_velocity(ss.solve(ss.dimensionless(robot), rtol=1e-10)) * robot.velocity_scale
+    V = ss.mean_velocity(ss.solve(ss.analysis.dimensionless(robot), rtol=1e-10)) * robot.velocity_scale
     assert pytest.approx(ss.mean_velocity(tight[name]), rel=1e-9, abs=1e-10 * velocity_unit(robot)) == V
 
 

@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 import stickslip as ss
 from models.friction.test_laws import integrated
 
-ROCK = ss.RateState(mu0=0.6, a=0.010, b=0.015, Dc=1e-5, v0=1e-6)
+ROCK = ss.friction.RateState(mu0=0.6, a=0.010, b=0.015, Dc=1e-5, v0=1e-6)
 END = 3300.0  # s, of four earthquakes
 
 
@@ -105,7 +105,7 @@ def test_earthquakes_below_the_critical_stiffness_recur_as_scipy_says(evolution)
 
 def test_a_contact_under_a_force_below_friction_creeps_from_rest_ever_slower():
     """From v = 0: at constant force F the velocity is 2 v0 sinh(F/aN) exp(-(mu0 + b z)/a), and z the logarithm of the time of rest."""
-    law = ss.RateState.example()
+    law = ss.friction.RateState.example()
     push = ss.ForcedOscillator(mass=1.0, stiffness=0.0, damping=0.0, force=0.0, omega=2 * math.pi, friction=law, load=1.0, bias=0.05)
     run = ss.solve(push, periods=40, rtol=1e-8)
     for t in (0.01, 1.0, 40.0):
@@ -117,7 +117,7 @@ def test_a_contact_under_a_force_below_friction_creeps_from_rest_ever_slower():
 
 def test_lanes_of_creeping_contacts_are_the_single_runs():
     push = ss.ForcedOscillator(
-        mass=1.0, stiffness=0.0, damping=0.0, force=0.02, omega=2 * math.pi, friction=ss.RateState.example(), load=1.0,
+        mass=1.0, stiffness=0.0, damping=0.0, force=0.02, omega=2 * math.pi, friction=ss.friction.RateState.example(), load=1.0,
         bias=np.array([0.03, 0.05]),
     )  # fmt: skip
     many = ss.solve(push, periods=10, settle=5, rtol=1e-8)
@@ -137,14 +137,14 @@ def test_friction_of_a_rock_is_odd_and_no_number_of_it_is_beyond_a_float():
 
 
 def test_the_bench_takes_rate_and_state_from_rest():
-    found = ss.bench(ss.RateState.example(), experiments=["steady", "lag", "drift"])
+    found = ss.bench(ss.friction.RateState.example(), experiments=["steady", "lag", "drift"])
     assert found.numbers["drift"] > 0  # it creeps on, however little
     assert found.numbers["lag"] > 0
 
 
 def test_the_judge_goes_the_same_way_from_rest():
     """Radau on the law in plain Python, whose errors of slow velocities are measured against the creep velocity too."""
-    law = ss.RateState.example()
+    law = ss.friction.RateState.example()
     push = ss.ForcedOscillator(
         mass=1.0, stiffness=0.0, damping=0.0, force=0.02, omega=2 * math.pi, friction=law, load=1.0, bias=0.05
     )  # fmt: skip
@@ -176,7 +176,7 @@ def _by_logarithms(stage, rtol):
 @pytest.mark.slow
 def test_a_stage_that_sticks_and_slips_follows_the_law_in_logarithms_of_velocity():
     """The slip is a difference here, and proportional friction below 1e-9 of the velocity scale lets it be off by as much."""
-    law = ss.RateState(mu0=0.2, a=0.012, b=0.018, Dc=1e-6, v0=1e-4)
+    law = ss.friction.RateState(mu0=0.2, a=0.012, b=0.018, Dc=1e-6, v0=1e-4)
     stage = ss.MovingTrack(mass=0.05, along=ss.Harmonic(amplitude=2e-5, omega=600.0), friction=law, load=5.0, force=0.1)
     unit = stage.velocity_scale * stage.period
     assert float(ss.solve(stage, periods=1, rtol=1e-9).at(stage.period)["x"]) == pytest.approx(_by_logarithms(stage, 1e-8), abs=1e-8 * unit)
@@ -185,7 +185,7 @@ def test_a_stage_that_sticks_and_slips_follows_the_law_in_logarithms_of_velocity
 @pytest.mark.slow
 def test_creep_that_is_lost_in_rounding_does_not_stop_a_run():
     """Static friction 45 times the direct effect: a creep of 1e-20 of the velocities."""
-    law = ss.RateState(mu0=0.9, a=0.02, b=0.03, Dc=1e-6, v0=1e-3)
+    law = ss.friction.RateState(mu0=0.9, a=0.02, b=0.03, Dc=1e-6, v0=1e-3)
     for force in (0.0, 2.0):
         stage = ss.MovingTrack(
             mass=0.05, along=ss.Harmonic(amplitude=2e-5, omega=np.array([400.0, 900.0])), friction=law, load=5.0, force=force

@@ -20,12 +20,12 @@ def rig(track, friction=DRY, amplitude=6e-4):
 
 
 TRACKS = {
-    "patches": ss.FrictionPatches(LEVEL, edges=(5e-4, 1.5e-3), factors=(1.0, 0.5, 1.3)),
-    "an edge where it starts": ss.FrictionPatches(LEVEL, edges=(0.0,), factors=(1.0, 0.6)),
-    "tiles": ss.FrictionPatches(LEVEL, edges=(0.0, 1e-3), factors=(1.0, 0.6), wavelength=1.7e-3),
-    "three tiles": ss.FrictionPatches(ss.Incline(-0.01), edges=(-2e-4, 3e-4, 7e-4), factors=(1.0, 0.6, 1.4), wavelength=1.7e-3),
-    "wave": ss.FrictionWave(LEVEL, wavelength=2e-3, cosines=(0.1,), sines=(0.2,)),
-    "profile": ss.FrictionProfile(LEVEL, place=(0.0, 1e-3, 3e-3), factors=(1.0, 1.4, 0.8)),
+    "patches": ss.tracks.FrictionPatches(LEVEL, edges=(5e-4, 1.5e-3), factors=(1.0, 0.5, 1.3)),
+    "an edge where it starts": ss.tracks.FrictionPatches(LEVEL, edges=(0.0,), factors=(1.0, 0.6)),
+    "tiles": ss.tracks.FrictionPatches(LEVEL, edges=(0.0, 1e-3), factors=(1.0, 0.6), wavelength=1.7e-3),
+    "three tiles": ss.tracks.FrictionPatches(ss.Incline(-0.01), edges=(-2e-4, 3e-4, 7e-4), factors=(1.0, 0.6, 1.4), wavelength=1.7e-3),
+    "wave": ss.tracks.FrictionWave(LEVEL, wavelength=2e-3, cosines=(0.1,), sines=(0.2,)),
+    "profile": ss.tracks.FrictionProfile(LEVEL, place=(0.0, 1e-3, 3e-3), factors=(1.0, 1.4, 0.8)),
 }
 every_track = pytest.mark.parametrize("track", TRACKS.values(), ids=TRACKS)
 
@@ -41,13 +41,15 @@ def test_the_exact_solver_goes_as_the_judge_does(track):
 
 
 def test_two_tracks_of_one_factor_are_one_track():
-    patched, plain = (ss.solve(rig(track), periods=20) for track in (ss.FrictionPatches(LEVEL, edges=(1e-3,), factors=(1.0, 1.0)), LEVEL))
+    patched, plain = (
+        ss.solve(rig(track), periods=20) for track in (ss.tracks.FrictionPatches(LEVEL, edges=(1e-3,), factors=(1.0, 1.0)), LEVEL)
+    )
     assert ss.mean_velocity(patched) == pytest.approx(ss.mean_velocity(plain), rel=1e-11)
 
 
 def test_a_body_that_coasts_over_ice_comes_to_rest_where_its_energy_is_spent():
     """Energy: v0^2/2 = mu g (l1 + 0.2 (l2 - l1) + rest), at each edge nothing jumps."""
-    track = ss.FrictionPatches(LEVEL, edges=(0.01, 0.03), factors=(1.0, 0.2, 1.5))
+    track = ss.tracks.FrictionPatches(LEVEL, edges=(0.01, 0.03), factors=(1.0, 0.2, 1.5))
     robot = rig(track, ss.Coulomb(0.2, 0.2), amplitude=0.0)
     way = 0.01 + 0.02 + 0.02
     v0 = math.sqrt(2 * 0.2 * 9.81 * (0.01 + 0.2 * 0.02 + 1.5 * 0.02))
@@ -80,8 +82,8 @@ def test_patches_repeat_after_a_wavelength():
 
 def test_a_measured_wave_is_the_one_that_it_was_made_of():
     x = np.linspace(0.0, 0.05, 400)
-    made = ss.FrictionWave(LEVEL, wavelength=0.01, cosines=(0.1, -0.05), sines=(0.2, 0.03))
-    found = ss.FrictionWave.fitted(LEVEL, x, 0.17 * made.grip_at(x), wavelength=0.01, harmonics=2)
+    made = ss.tracks.FrictionWave(LEVEL, wavelength=0.01, cosines=(0.1, -0.05), sines=(0.2, 0.03))
+    found = ss.tracks.FrictionWave.fitted(LEVEL, x, 0.17 * made.grip_at(x), wavelength=0.01, harmonics=2)
     assert found.cosines == pytest.approx(made.cosines, abs=1e-13)
     assert found.sines == pytest.approx(made.sines, abs=1e-13)
 
@@ -89,7 +91,7 @@ def test_a_measured_wave_is_the_one_that_it_was_made_of():
 def test_an_orbit_on_a_track_that_repeats_comes_back_modulo_its_wavelength():
     """A wave as long as the robot's own step: it locks to the track, and goes one wavelength in each period."""
     step = float(ss.mean_velocity(ss.solve(rig(LEVEL), periods=60))) * rig(LEVEL).period
-    robot = rig(ss.FrictionWave(LEVEL, wavelength=step, cosines=(0.0,), sines=(0.1,)))
+    robot = rig(ss.tracks.FrictionWave(LEVEL, wavelength=step, cosines=(0.0,), sines=(0.1,)))
     orbit = ss.periodic_orbit(robot)
     assert orbit.names == ("x", "v")
     assert orbit.mean_velocity * robot.period == pytest.approx(step, rel=1e-11)
@@ -103,16 +105,16 @@ def test_an_orbit_on_a_track_that_repeats_comes_back_modulo_its_wavelength():
 @each_row(
     ("make", "says"),
     [
-        (lambda: ss.FrictionPatches(LEVEL, edges=(2e-3, 1e-3), factors=(1.0, 2.0, 1.0)), "in ascending order"),
-        (lambda: ss.FrictionPatches(LEVEL, edges=(1e-3,), factors=(1.0,)), "factors has 1 numbers for 1 edges; allowed are 2"),
-        (lambda: ss.FrictionPatches(LEVEL, edges=(0.0, 1e-3), factors=(1.0, -2.0), wavelength=2e-3), r"factors\[1\] = -2.0"),
-        (lambda: ss.FrictionPatches(LEVEL, edges=(0.0, 1e-3), factors=(1.0, 2.0), wavelength=1e-3), "within one wavelength"),
-        (lambda: ss.FrictionPatches(3.0, edges=(0.0,), factors=(1.0, 2.0)), "allowed is a track"),
-        (lambda: ss.FrictionWave(LEVEL, wavelength=1e-3, cosines=(0.0,), sines=(1.2,)), "the factor falls to -0.2"),
-        (lambda: ss.FrictionWave(LEVEL, wavelength=1e-3, cosines=(), sines=(0.2,)), "0 cosines and 1 sines"),
-        (lambda: ss.FrictionProfile(LEVEL, place=(0.0,), factors=(1.0,)), "1 places and 1 factors"),
-        (lambda: ss.FrictionProfile(LEVEL, place=(0.0, 0.0), factors=(1.0, 1.0)), "in ascending order"),
-        (lambda: ss.FrictionWave.fitted(LEVEL, [0.0, 1.0], [1.0, 1.0], wavelength=1.0), "2 places and 2 factors"),
+        (lambda: ss.tracks.FrictionPatches(LEVEL, edges=(2e-3, 1e-3), factors=(1.0, 2.0, 1.0)), "in ascending order"),
+        (lambda: ss.tracks.FrictionPatches(LEVEL, edges=(1e-3,), factors=(1.0,)), "factors has 1 numbers for 1 edges; allowed are 2"),
+        (lambda: ss.tracks.FrictionPatches(LEVEL, edges=(0.0, 1e-3), factors=(1.0, -2.0), wavelength=2e-3), r"factors\[1\] = -2.0"),
+        (lambda: ss.tracks.FrictionPatches(LEVEL, edges=(0.0, 1e-3), factors=(1.0, 2.0), wavelength=1e-3), "within one wavelength"),
+        (lambda: ss.tracks.FrictionPatches(3.0, edges=(0.0,), factors=(1.0, 2.0)), "allowed is a track"),
+        (lambda: ss.tracks.FrictionWave(LEVEL, wavelength=1e-3, cosines=(0.0,), sines=(1.2,)), "the factor falls to -0.2"),
+        (lambda: ss.tracks.FrictionWave(LEVEL, wavelength=1e-3, cosines=(), sines=(0.2,)), "0 cosines and 1 sines"),
+        (lambda: ss.tracks.FrictionProfile(LEVEL, place=(0.0,), factors=(1.0,)), "1 places and 1 factors"),
+        (lambda: ss.tracks.FrictionProfile(LEVEL, place=(0.0, 0.0), factors=(1.0, 1.0)), "in ascending order"),
+        (lambda: ss.tracks.FrictionWave.fitted(LEVEL, [0.0, 1.0], [1.0, 1.0], wavelength=1.0), "2 places and 2 factors"),
     ],
 )
 def test_what_is_no_track_with_a_profile_is_said(make, says):
@@ -128,5 +130,7 @@ def test_a_diagram_and_basins_count_places_on_a_track_that_repeats_modulo_its_wa
     assert at.wavelength == 1.7e-3
     assert at.distance([5 * 1.7e-3 + 1e-6, 0.1], [1e-6, 0.1]) == pytest.approx(0.0, abs=1e-9)
     assert coordinates(rig(TRACKS["patches"])).wavelength is None
-    other = ss.FrictionWave(TRACKS["tiles"], wavelength=1e-3, cosines=(0.1,), sines=(0.0,))  # says 1 mm, and the tiles inside say 1.7 mm
+    other = ss.tracks.FrictionWave(
+        TRACKS["tiles"], wavelength=1e-3, cosines=(0.1,), sines=(0.0,)
+    )  # says 1 mm, and the tiles inside say 1.7 mm
     assert coordinates(rig(other)).wavelength is None

@@ -12,25 +12,28 @@ from registries import examples
 from rows import each_row
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.engine.symbols import Graph, Sym
-from stickslip.tracks import TRACKS, fold
+from stickslip.tracks import TRACKS
+from stickslip.tracks.tracks import fold
 
 EVERY = {
     "level": ss.Level(),
     "incline": ss.Incline(tilt=0.05),
     "uphill": ss.Incline(tilt=-0.05),
-    "varying": ss.VaryingFriction(ss.Level(), depth=0.3, harmonic=2, phase=0.4),
-    "varying incline": ss.VaryingFriction(ss.Incline(tilt=0.05), depth=0.3),
-    "patches": ss.FrictionPatches(ss.Incline(tilt=0.05), edges=(-1e-3, 2e-3), factors=(1.0, 0.5, 1.5)),
-    "tiles": ss.FrictionPatches(
-        ss.VaryingFriction(ss.Level(), depth=0.3), edges=(0.0, 1e-3, 2e-3), factors=(1.0, 0.5, 1.5), wavelength=3e-3
+    "varying": ss.tracks.VaryingFriction(ss.Level(), depth=0.3, harmonic=2, phase=0.4),
+    "varying incline": ss.tracks.VaryingFriction(ss.Incline(tilt=0.05), depth=0.3),
+    "patches": ss.tracks.FrictionPatches(ss.Incline(tilt=0.05), edges=(-1e-3, 2e-3), factors=(1.0, 0.5, 1.5)),
+    "tiles": ss.tracks.FrictionPatches(
+        ss.tracks.VaryingFriction(ss.Level(), depth=0.3), edges=(0.0, 1e-3, 2e-3), factors=(1.0, 0.5, 1.5), wavelength=3e-3
     ),
-    "wave": ss.FrictionWave(ss.Level(), wavelength=2e-3, cosines=(0.1, 0.0), sines=(0.2, -0.1)),
-    "profile": ss.FrictionProfile(ss.Level(), place=(0.0, 1e-3, 3e-3), factors=(1.0, 1.4, 0.8)),
-    "varying profile": ss.VaryingFriction(ss.FrictionProfile(ss.Level(), place=(0.0, 1e-3, 3e-3), factors=(1.0, 1.4, 0.8)), depth=0.2),
-    "varying twice": ss.VaryingFriction(ss.VaryingFriction(ss.Incline(tilt=0.05), depth=0.3), depth=0.2, harmonic=3),
+    "wave": ss.tracks.FrictionWave(ss.Level(), wavelength=2e-3, cosines=(0.1, 0.0), sines=(0.2, -0.1)),
+    "profile": ss.tracks.FrictionProfile(ss.Level(), place=(0.0, 1e-3, 3e-3), factors=(1.0, 1.4, 0.8)),
+    "varying profile": ss.tracks.VaryingFriction(
+        ss.tracks.FrictionProfile(ss.Level(), place=(0.0, 1e-3, 3e-3), factors=(1.0, 1.4, 0.8)), depth=0.2
+    ),
+    "varying twice": ss.tracks.VaryingFriction(ss.tracks.VaryingFriction(ss.Incline(tilt=0.05), depth=0.3), depth=0.2, harmonic=3),
 }
 every_track = each_row("track", EVERY.values(), ids=EVERY)
-every_track_and_drive = each_row(("track", "drive"), each_once(EVERY, examples(ss.DRIVES)))
+every_track_and_drive = each_row(("track", "drive"), each_once(EVERY, examples(ss.drives.DRIVES)))
 
 
 def rig(track, law="coulomb"):
@@ -54,7 +57,7 @@ def test_a_study_file_keeps_every_track(track):
 
 @every_track_and_drive
 def test_the_load_can_be_written_down_and_repeats(track, drive):
-    robot = rig(EVERY[track]).replace(drive=examples(ss.DRIVES)[drive])
+    robot = rig(EVERY[track]).replace(drive=examples(ss.drives.DRIVES)[drive])
     graph = Graph()
     written = replace_leaf(robot, {name: graph.case(name) for name, _ in leaves(robot)})
     assert isinstance(written.load(graph.variable("t"), graph.constant(0.0)), Sym)
@@ -65,7 +68,7 @@ def test_the_load_can_be_written_down_and_repeats(track, drive):
 
 
 def test_friction_varies_by_its_depth_about_the_coefficients():
-    track = ss.VaryingFriction(ss.Incline(tilt=0.1), depth=0.4, harmonic=3, phase=0.7)
+    track = ss.tracks.VaryingFriction(ss.Incline(tilt=0.1), depth=0.4, harmonic=3, phase=0.7)
     robot = rig(track)
     t = np.arange(600) / 600 * robot.period
     factor = robot.load(t, 0.0) / (robot.total_mass * robot.gravity * math.cos(0.1))
@@ -74,7 +77,7 @@ def test_friction_varies_by_its_depth_about_the_coefficients():
 
 
 def test_the_factor_on_the_load_is_one_on_the_coefficients_of_coulomb_friction():
-    varied, robot = rig(ss.VaryingFriction(ss.Level(), depth=0.4)), rig(ss.Level())
+    varied, robot = rig(ss.tracks.VaryingFriction(ss.Level(), depth=0.4)), rig(ss.Level())
     t = 0.2 * robot.period
     grip = varied.track.grip(t, varied.period)
     law = robot.friction.replace(mu_plus=grip * robot.friction.mu_plus, mu_minus=grip * robot.friction.mu_minus)
@@ -84,16 +87,16 @@ def test_the_factor_on_the_load_is_one_on_the_coefficients_of_coulomb_friction()
 
 
 def test_gravity_along_the_track_does_not_vary_with_friction():
-    plain, varied = rig(ss.Incline(tilt=0.1)), rig(ss.VaryingFriction(ss.Incline(tilt=0.1), depth=0.4))
+    plain, varied = rig(ss.Incline(tilt=0.1)), rig(ss.tracks.VaryingFriction(ss.Incline(tilt=0.1), depth=0.4))
     assert varied.acceleration(0.003, 0.0, 0.0, 0.1) == plain.acceleration(0.003, 0.0, 0.0, 0.1)
 
 
 @each_row(
     ("make", "says"),
     [
-        (lambda: ss.VaryingFriction(ss.Level(), depth=1.0), "depth = 1.0; allowed is from 0 to below 1"),
-        (lambda: ss.VaryingFriction(ss.Level(), depth=-0.1, harmonic=1.5), "2 problems"),
-        (lambda: ss.VaryingFriction(0.03, depth=0.1), "allowed is a track"),
+        (lambda: ss.tracks.VaryingFriction(ss.Level(), depth=1.0), "depth = 1.0; allowed is from 0 to below 1"),
+        (lambda: ss.tracks.VaryingFriction(ss.Level(), depth=-0.1, harmonic=1.5), "2 problems"),
+        (lambda: ss.tracks.VaryingFriction(0.03, depth=0.1), "allowed is a track"),
         (lambda: ss.Incline(tilt=2.0), "between -pi/2 and pi/2"),
     ],
 )  # fmt: skip
@@ -115,8 +118,8 @@ def test_a_run_uphill_is_a_negative_tilt():
 @pytest.mark.parametrize("law", ["coulomb", "lugre"])
 @every_track_and_drive
 def test_a_mirrored_robot_obeys_mirrored_equations(track, drive, law):
-    robot = rig(EVERY[track], law).replace(drive=examples(ss.DRIVES)[drive])
-    image, t, v = ss.mirrored(robot), 0.3 * robot.drive.period, 0.02
+    robot = rig(EVERY[track], law).replace(drive=examples(ss.drives.DRIVES)[drive])
+    image, t, v = ss.dynamics.mirrored(robot), 0.3 * robot.drive.period, 0.02
     load = robot.load(t, 0.0)
     assert image.load(t, 0.0) == load
 
@@ -125,12 +128,12 @@ def test_a_mirrored_robot_obeys_mirrored_equations(track, drive, law):
 
     assert image.acceleration(t, 0.0, -v, force(image, -1)) == pytest.approx(-robot.acceleration(t, 0.0, v, force(robot, 1)), rel=1e-13)
     assert image.impulses == tuple((s, -jump) for s, jump in robot.impulses)
-    assert ss.mirrored(image) == robot
+    assert ss.dynamics.mirrored(image) == robot
 
 
 def test_mirroring_exchanges_forwards_and_backwards_also_where_none_is_given():
     robot = rig(ss.Level(), "lugre").replace(friction=ss.LuGre(0.1, 0.2, None, 0.3, 4e5, 100.0, 0.04, 2e-3))
-    law = ss.mirrored(robot).friction
+    law = ss.dynamics.mirrored(robot).friction
     assert (law.mu_plus, law.mu_minus, law.f_plus, law.f_minus) == (0.2, 0.1, 0.3, None)
 
 
@@ -148,16 +151,16 @@ def test_a_tilt_that_was_folded_into_a_replaced_law_is_not_lost_without_a_word()
 
     replaced = rigs["folded"].replace(friction=isotropic)
     assert "the tilt of 3 degrees" in said(replaced)[0] and replaced.track.folded == rigs["folded"].track.folded
-    varying = rigs["folded"].replace(track=ss.VaryingFriction(rigs["folded"].track, depth=0.3))
+    varying = rigs["folded"].replace(track=ss.tracks.VaryingFriction(rigs["folded"].track, depth=0.3))
     others = [  # also of what was written and read, mirrored, or is on a varying track, and of a law that differs both ways
-        ss.mirrored(ss.Robot.from_toml(rigs["folded"].to_toml())).replace(friction=ss.Coulomb(0.13, 0.23)),
+        ss.dynamics.mirrored(ss.Robot.from_toml(rigs["folded"].to_toml())).replace(friction=ss.Coulomb(0.13, 0.23)),
         ss.Robot.from_toml(rigs["folded"].replace(friction=ss.Coulomb(0.13, 0.23)).to_toml()),
         ss.Chain((varying, varying), ss.Spring(1200.0)).replace({"modules.0.friction": isotropic}).modules[0],
         ss.Chain((varying, varying), ss.Spring(1200.0)).replace({"modules.0.friction": ss.Coulomb(0.13, 0.23)}).modules[0],
     ]
     assert all(said(other) for other in others)
     with pytest.raises(ss.InputError, match="would add to it"):
-        rigs["folded"].replace(track=ss.VaryingFriction(ss.Incline(0.05), depth=0.3))
+        rigs["folded"].replace(track=ss.tracks.VaryingFriction(ss.Incline(0.05), depth=0.3))
     assert replaced.replace(track=ss.Incline(0.05)) == rigs["folded"].replace(friction=isotropic, track=ss.Incline(0.05))
     robot = dataclasses.replace(rigs["folded"], friction=isotropic)
     assert said(robot) and "the tilt of 3 degrees" in said(robot)[0] and 'incline="gravity"' in said(robot)[0]

@@ -14,8 +14,8 @@ THIRD = 2 * pi / 3
 
 
 def worm(mu_plus, mu_minus, drive, lag=THIRD, mass=0.05):
-    bodies = ss.Bodies(mass=mass, count=3, friction=ss.Coulomb(mu_plus=mu_plus, mu_minus=mu_minus))
-    return ss.Chain(bodies, link=ss.Gait(drive, lag=lag, length=0.02))
+    bodies = ss.machines.Bodies(mass=mass, count=3, friction=ss.Coulomb(mu_plus=mu_plus, mu_minus=mu_minus))
+    return ss.Chain(bodies, link=ss.machines.Gait(drive, lag=lag, length=0.02))
 
 
 SLOW, FAST = ss.Harmonic(amplitude=2e-3, frequency=2.0), ss.Harmonic(amplitude=2e-3, frequency=6.0)
@@ -42,7 +42,7 @@ def test_the_judge_agrees_on_a_worm():
 
 def test_a_sawtooth_gait_that_begins_elsewhere_is_what_the_judge_says():
     """Shifts of the drive and of the lags make more than a period: the feet knew a wrong velocity at the start, and slid the wrong way."""
-    gait = Shifted(ss.Sawtooth(stroke=2.44e-3, rise=0.116, fall=0.084), -0.9)
+    gait = Shifted(ss.drives.Sawtooth(stroke=2.44e-3, rise=0.116, fall=0.084), -0.9)
     for chain in (worm(0.1, 0.2, gait), worm(0.1, 0.2, gait, lag=-THIRD)):
         judged = ss.solve(chain, periods=3, method="dop853", rtol=1e-12)
         assert ss.solve(chain, periods=3).v[-1] == pytest.approx(judged.v[-1], abs=1e-10)
@@ -50,8 +50,8 @@ def test_a_sawtooth_gait_that_begins_elsewhere_is_what_the_judge_says():
 
 def test_distances_are_those_of_the_gait_at_any_lag():
     lag, drive = 5.0, LOPSIDED  # beyond a half period: of the fourth distance it is more than two periods
-    bodies = ss.Bodies(mass=0.05, count=5, friction=ss.Coulomb(0.1, 0.2))
-    run = ss.solve(ss.Chain(bodies, link=ss.Gait(drive, lag=lag, length=0.02)), periods=3)
+    bodies = ss.machines.Bodies(mass=0.05, count=5, friction=ss.Coulomb(0.1, 0.2))
+    run = ss.solve(ss.Chain(bodies, link=ss.machines.Gait(drive, lag=lag, length=0.02)), periods=3)
     for j in range(4):
         told = 0.02 + drive.position(run.t + 10 * drive.period - j * lag / drive.omega)
         assert run.x[:, j] - run.x[:, j + 1] == pytest.approx(told, abs=1e-15)
@@ -76,14 +76,20 @@ def test_worms_stand_in_files_and_older_files_of_chains_are_read():
 @each_row(
     ("make", "words"),
     [
-        (lambda: ss.Chain((), link=ss.Rigid()), r"modules = \(\); allowed is a tuple of two robots or more.*ss.Bodies"),
-        (lambda: ss.Bodies([0.1, 0.2], 2, ss.Coulomb(0.1, 0.2)), r"a list; a tuple means one for each part.*type mass=\(0.1, 0.2\)"),
-        (lambda: ss.Bodies((0.1, 0.2), 3, ss.Coulomb(0.1, 0.2)), "mass has 2 numbers for 3 bodies"),
-        (lambda: ss.Bodies(0.1, 1, ss.Coulomb(0.1, 0.2)), "count = 1; allowed is a whole number of bodies from 2"),
-        (lambda: ss.Chain(ss.Bodies.example(), link=ss.Rigid(), phases=(0.0,) * 3), "plain bodies have none; a Gait has a lag"),
-        (lambda: ss.Gait(3.0, lag=1.0), "drive = 3.0; allowed is a drive"),
+        (lambda: ss.Chain((), link=ss.machines.Rigid()), r"modules = \(\); allowed is a tuple of two robots or more.*ss.machines.Bodies"),
         (
-            lambda: ss.Chain(ss.Chain.example().modules, link=ss.Gait(SLOW, lag=1.0)),
+            lambda: ss.machines.Bodies([0.1, 0.2], 2, ss.Coulomb(0.1, 0.2)),
+            r"a list; a tuple means one for each part.*type mass=\(0.1, 0.2\)",
+        ),
+        (lambda: ss.machines.Bodies((0.1, 0.2), 3, ss.Coulomb(0.1, 0.2)), "mass has 2 numbers for 3 bodies"),
+        (lambda: ss.machines.Bodies(0.1, 1, ss.Coulomb(0.1, 0.2)), "count = 1; allowed is a whole number of bodies from 2"),
+        (
+            lambda: ss.Chain(ss.machines.Bodies.example(), link=ss.machines.Rigid(), phases=(0.0,) * 3),
+            "plain bodies have none; a Gait has a lag",
+        ),
+        (lambda: ss.machines.Gait(3.0, lag=1.0), "drive = 3.0; allowed is a drive"),
+        (
+            lambda: ss.Chain(ss.Chain.example().modules, link=ss.machines.Gait(SLOW, lag=1.0)),
             r"link has the period 0.5 s and modules\[0\] 0.0305.*one common period",
         ),
     ],

@@ -184,11 +184,11 @@ def test_a_study_folder_keeps_the_parts_and_goes_on_with_them(grid, tmp_path):
     assert int((unfinished.status == 101).sum()) == 2 and np.isnan(unfinished.velocity_max.values).sum() == 4
     assert same(grid, ss.sweep(ss.Chain.example(), **AXES, periods=60, out=folder, tile=2, resume=True))
     assert kept.velocity_max.sel(body="module 2")[1].values.tolist() == grid.velocity_max.sel(body="module 2")[1].values.tolist()
-    assert same(grid, ss.open_study(ss.export(folder, tmp_path / "whole.nc")))
+    assert same(grid, ss.open_study(ss.studies.export(folder, tmp_path / "whole.nc")))
 
 
 def test_text_files_have_a_column_for_each_part(grid, tmp_path):
-    head, *rows = ss.export(grid, tmp_path / "grid.csv").read_text(encoding="utf-8").splitlines()
+    head, *rows = ss.studies.export(grid, tmp_path / "grid.csv").read_text(encoding="utf-8").splitlines()
     columns = head.split(",")
     assert "velocity_max.module 2 [m/s]" in columns and "motion_type.module 1" in columns and "body" not in columns
     assert len(rows) == 6

@@ -47,10 +47,13 @@ def notes_of(grid):
 def test_rebounds_that_die_out_leave_two_bodies_that_move_as_one():
     """Under mu N tanh(v/w) both go on at w artanh(F/(mu N)), whatever the restitution: the stop stays closed, and the gap with it."""
     grid = ss.sweep(
-        Pushed(PUSH, 0.0, ss.TanhCoulomb(mu_plus=MU, mu_minus=MU, width=WIDTH)), restitution=[0.0, 0.3, 0.7], push=[PUSH, 0.2], duration=2.0
+        Pushed(PUSH, 0.0, ss.friction.TanhCoulomb(mu_plus=MU, mu_minus=MU, width=WIDTH)),
+        restitution=[0.0, 0.3, 0.7],
+        push=[PUSH, 0.2],
+        duration=2.0,
     )
     assert (grid.status == Status.FINISHED).all()
-    run = ss.solve(Pushed(PUSH, 0.7, ss.TanhCoulomb(mu_plus=MU, mu_minus=MU, width=WIDTH)), duration=2.0, rtol=1e-9)
+    run = ss.solve(Pushed(PUSH, 0.7, ss.friction.TanhCoulomb(mu_plus=MU, mu_minus=MU, width=WIDTH)), duration=2.0, rtol=1e-9)
     speed = WIDTH * np.arctanh(PUSH / (MU * LOAD))
     assert run.v[-1] == pytest.approx(speed, rel=1e-8)  # the transient is over: exp(-t mu N/(2 m w)) < 1e-20
     assert run.bodies["inner"].x[-1] - run.bodies["body"].x[-1] == pytest.approx(1e-3, abs=1e-12)
@@ -96,17 +99,17 @@ def test_rebounds_on_a_body_that_the_other_one_rubs_on_end_with_a_status():
     assert run.v[-1, 0] == pytest.approx(run.v[-1, 1], abs=1e-12)
 
 
-@pytest.mark.parametrize("law", [ss.Coulomb(0.2, 0.2), ss.TanhCoulomb(mu_plus=0.2, mu_minus=0.2, width=1e-3)])
+@pytest.mark.parametrize("law", [ss.Coulomb(0.2, 0.2), ss.friction.TanhCoulomb(mu_plus=0.2, mu_minus=0.2, width=1e-3)])
 def test_a_load_that_jumps_below_zero_is_lost_at_that_instant(law):
     """The track falls away with 2 g in the middle third of a period; with half of it as much load is left, and the run goes on."""
     T, size = 0.03, 9.81
-    down = ss.Pieces(durations=(T / 3, T / 3, T / 3), accelerations=(size, -2 * size, size))
+    down = ss.drives.Pieces(durations=(T / 3, T / 3, T / 3), accelerations=(size, -2 * size, size))
     along = ss.Harmonic(amplitude=1e-4, omega=2 * np.pi / T)
     track = ss.MovingTrack(mass=0.02, along=along, across=down, friction=law, restitution=None)
     run = ss.solve(track, periods=4)
     assert run.status == Status.LOST.sentence and run.t[-1] == pytest.approx(T / 3, rel=1e-12)
-    half = ss.Pieces(durations=down.durations, accelerations=tuple(a / 4 for a in down.accelerations))
-    first = ss.Pieces(durations=down.durations, accelerations=(-2 * size, size, size))
+    half = ss.drives.Pieces(durations=down.durations, accelerations=tuple(a / 4 for a in down.accelerations))
+    first = ss.drives.Pieces(durations=down.durations, accelerations=(-2 * size, size, size))
     ends = [ss.sweep(replace(track, across=each), mass=[0.02, 0.05], periods=4, settle=2).status.values.tolist() for each in (down, half)]
     assert ends == [[Status.LOST] * 2, [Status.FINISHED] * 2]
     with pytest.raises(ss.InputError, match=r"the load of the contact 'mass' is -0.1962 N at the start"):
@@ -116,7 +119,7 @@ def test_a_load_that_jumps_below_zero_is_lost_at_that_instant(law):
 def test_friction_that_two_feet_share_at_rest_is_noted():
     """Two feet of one rigid body: only the sum follows. Feet whose distance changes never rest at once."""
     robot = ss.Robot(0.0626, 0.0095, ss.Harmonic(amplitude=3e-4, omega=205.0), ss.Coulomb(0.15, 0.21))
-    pair = ss.Chain((robot, robot), link=ss.Rigid())
+    pair = ss.Chain((robot, robot), link=ss.machines.Rigid())
     sentence = "module 1, module 2 rest at once on one body: only the sum of their friction forces"
     assert any(note.startswith(sentence) for note in ss.solve(pair, periods=12).notes)
     noted = [count for note, count in notes_of(ss.sweep(pair, periods=12, **{"modules.0.drive.amplitude": [2e-4, 3e-4]})).items()
@@ -141,8 +144,8 @@ def test_feet_with_more_static_than_kinetic_friction_do_not_chatter():
     """Where the wave turns, two of three feet are at rest at once, and static friction of neither holds the body: one of them slides."""
     rng = np.random.default_rng(3)
     mu, a = rng.uniform(0.002, 0.01, 40), rng.uniform(0.003, 0.02, 40)
-    gait = ss.Gait(ss.Pieces(durations=(0.55, 0.75), accelerations=(a, -a * 0.55 / 0.75)), lag=2 * np.pi / 5)
-    worms = ss.Chain(ss.Bodies(mass=0.033, count=3, friction=ss.Coulomb(mu, 1.9 * mu, f_plus=None, f_minus=2.6 * mu)), link=gait)
+    gait = ss.machines.Gait(ss.drives.Pieces(durations=(0.55, 0.75), accelerations=(a, -a * 0.55 / 0.75)), lag=2 * np.pi / 5)
+    worms = ss.Chain(ss.machines.Bodies(mass=0.033, count=3, friction=ss.Coulomb(mu, 1.9 * mu, f_plus=None, f_minus=2.6 * mu)), link=gait)
     many = ss.solve(worms, periods=4, settle=0)
     assert many.status_counts == {"finished": 40}
     for i in (0, 7):
@@ -170,7 +173,7 @@ def test_hits_that_turn_a_slip_round_end_a_step_once():
 def test_several_contacts_that_are_lost_at_one_instant_are_all_told():
     """Both inner masses lift at once: N = (M + m) g - m B w^2 sin(w t) is zero at arcsin((M + m) g/(m B w^2))/w."""
     M, m, B, omega = 0.06, 0.01, 3e-3, 200.0
-    drive = ss.VerticalVibration(ss.Harmonic(amplitude=5e-4, omega=omega), amplitude=B)
+    drive = ss.drives.VerticalVibration(ss.Harmonic(amplitude=5e-4, omega=omega), amplitude=B)
     module = ss.Robot(body_mass=M, inner_mass=m, drive=drive, friction=ss.Coulomb(0.15, 0.25))
     pair = ss.Chain((module, module), link=ss.Spring(stiffness=100.0))
     run = ss.solve(pair, periods=20)

@@ -10,6 +10,7 @@ import pytest
 import stickslip as ss
 from pairs import each_once
 from rows import each_row
+from stickslip.basics.errors import StickslipError
 from stickslip.maths import pi, sin
 from stickslip.models.machine_adapter import machine_of
 
@@ -18,13 +19,13 @@ OMEGA = 2 * pi / 0.06
 
 def capsule(alpha, omega, xi, gamma, stops=(), reaction=True, friction=None):
     """The capsule without dimensions: unit inner mass, stiffness and sliding friction."""
-    drive = ss.Forced(ss.HarmonicForce(alpha, omega, phase=pi / 2), stiffness=1.0, damping=2 * xi, stops=stops, reaction=reaction)
+    drive = ss.machines.Forced(ss.HarmonicForce(alpha, omega, phase=pi / 2), stiffness=1.0, damping=2 * xi, stops=stops, reaction=reaction)
     one = 1 / (gamma + 1)
     return ss.Robot(body_mass=gamma, inner_mass=1.0, drive=drive, friction=friction or ss.Coulomb(one, one), gravity=1.0)
 
 
 def capsubot(force, damping=0.0, friction=None, **more):
-    drive = ss.Forced(force, stiffness=256.23, damping=damping, **more)
+    drive = ss.machines.Forced(force, stiffness=256.23, damping=damping, **more)
     return ss.Robot(body_mass=0.193, inner_mass=0.074, drive=drive, friction=friction or ss.Coulomb(0.29, 0.29))
 
 
@@ -34,7 +35,7 @@ C3 = capsule(1.6, 0.95, 0.05, 4.0, (ss.Stop(gap=0.5, restitution=0.6),))
 C6 = capsule(1.0, 0.6, 0.05, 4.0)
 C7 = capsule(1.0, 0.6, 0.05, 4.0, (ss.Stop(gap=GRAZING - 1e-4, restitution=0.6),))
 K1 = capsubot(ss.HarmonicForce(1.5, OMEGA) + ss.HarmonicForce(0.75, 2 * OMEGA, phase=pi / 2), damping=0.5)
-K3 = capsubot(ss.Pulses(1.25, period=0.06, duty=0.35))
+K3 = capsubot(ss.drives.Pulses(1.25, period=0.06, duty=0.35))
 #: Mean velocities, derived twice by independent codes; tolerances are the digits printed there.
 TRUTH = {"C1": (C1, 0.165538436583, 1e-10), "C3": (C3, 0.039424641879, 1e-10), "C7": (C7, 0.024995142088, 1e-10),
          "K1": (K1, 0.020420489041022, 1e-11), "K3": (K3, -0.009192935806, 1e-9)}  # fmt: skip
@@ -101,7 +102,7 @@ def test_hits_impulses_and_forces_of_each_stop_are_columns():
 
 @pytest.mark.parametrize(
     ("reaction", "track"),
-    each_once([True, False], [ss.Level(), ss.Incline(tilt=0.05), ss.VaryingFriction(ss.Incline(tilt=-0.02), depth=0.3)]),
+    each_once([True, False], [ss.Level(), ss.Incline(tilt=0.05), ss.tracks.VaryingFriction(ss.Incline(tilt=-0.02), depth=0.3)]),
 )
 def test_the_equations_are_those_of_the_documentation(reaction, track):
     """Written down here once more, on paper's letters."""
@@ -123,7 +124,11 @@ def test_the_equations_are_those_of_the_documentation(reaction, track):
 
 def test_pulses_of_different_periods_are_one_force_of_their_common_period():
     """Each is what it is alone at any time, also where its own period is a part of the common one; breaks are where the sum jumps."""
-    one, two, smooth = ss.Pulses(1.0, period=0.06, duty=0.35), ss.Pulses(0.4, period=0.02, duty=0.7), ss.HarmonicForce(0.3, 2 * pi / 0.03)
+    one, two, smooth = (
+        ss.drives.Pulses(1.0, period=0.06, duty=0.35),
+        ss.drives.Pulses(0.4, period=0.02, duty=0.7),
+        ss.HarmonicForce(0.3, 2 * pi / 0.03),
+    )
     both = one + two + smooth
     assert both.repeats == (1, 3, 2) and both.period == pytest.approx(0.06, rel=1e-15)
     t = np.linspace(0.0, 0.18, 5001)
@@ -135,14 +140,14 @@ def test_pulses_of_different_periods_are_one_force_of_their_common_period():
 
 
 def test_a_sum_of_pulses_is_solved_as_the_judge_solves_it():
-    robot = capsubot(ss.Pulses(1.0, period=0.06, duty=0.35) + ss.Pulses(0.6, period=0.02, duty=0.7), damping=0.5)
+    robot = capsubot(ss.drives.Pulses(1.0, period=0.06, duty=0.35) + ss.drives.Pulses(0.6, period=0.02, duty=0.7), damping=0.5)
     exact, judged = (ss.solve(robot, periods=6, method=method, rtol=1e-12) for method in ("auto", "dop853"))
     assert exact.method == "exact" and np.allclose(exact.strobe_v, judged.strobe_v, rtol=0, atol=1e-9)
 
 
 def test_forces_have_the_smallest_period_in_common_or_none():
     assert (ss.HarmonicForce(1.0, 4.0) + ss.HarmonicForce(1.0, 6.0)).repeats == (2, 3)
-    three = ss.HarmonicForce(1.0, 4.0) + ss.HarmonicForce(1.0, 6.0) + ss.Pulses(1.0, pi, 0.5)
+    three = ss.HarmonicForce(1.0, 4.0) + ss.HarmonicForce(1.0, 6.0) + ss.drives.Pulses(1.0, pi, 0.5)
     assert three.repeats == (2, 3, 1) and len(three.parts) == 3
     with pytest.raises(ss.InputError, match=r"have no common multiple; .* give them the same omega or period"):
         ss.HarmonicForce(1.0, 1.0) + ss.HarmonicForce(1.0, 2**0.5)
@@ -157,13 +162,13 @@ def test_forces_have_the_smallest_period_in_common_or_none():
 def test_a_recorded_force_is_that_of_its_samples():
     t = np.arange(1200) * 1e-4
     told = 0.2 + 1.5 * np.sin(OMEGA * t) + 0.75 * np.cos(2 * OMEGA * t)
-    force = ss.RecordedForce.from_samples(t, force=told, period=0.06)
+    force = ss.drives.RecordedForce.from_samples(t, force=told, period=0.06)
     assert force.at(t) == pytest.approx(told, abs=1e-12) and force.mean == pytest.approx(0.2, abs=1e-13)
-    K1_recorded = capsubot(ss.RecordedForce.from_samples(t, force=told - 0.2, period=0.06), damping=0.5)
+    K1_recorded = capsubot(ss.drives.RecordedForce.from_samples(t, force=told - 0.2, period=0.06), damping=0.5)
     assert ss.mean_velocity(ss.solve(K1_recorded, periods=400, settle=300)) == pytest.approx(TRUTH["K1"][1], rel=1e-9)
     assert any("force record of 1200 samples" in note for note in K1_recorded.notes)
     with pytest.raises(ss.InputError, match=r"RecordedForce: the record does not repeat with period"):
-        ss.RecordedForce.from_samples(t, force=t, period=0.06)
+        ss.drives.RecordedForce.from_samples(t, force=t, period=0.06)
 
 
 def test_a_force_of_ones_own_needs_a_period_and_its_value():
@@ -180,7 +185,7 @@ def test_a_force_of_ones_own_needs_a_period_and_its_value():
             return self.size * sin(self.omega * t) ** 2
 
     own = capsubot(Squared(2.0, OMEGA), damping=0.5)
-    same = capsubot(ss.RecordedForce(0.06, 1.0, (0.0, -1.0), (0.0, 0.0)), damping=0.5)
+    same = capsubot(ss.drives.RecordedForce(0.06, 1.0, (0.0, -1.0), (0.0, 0.0)), damping=0.5)
     assert np.allclose(ss.solve(own, periods=10).strobe_v, ss.solve(same, periods=10).strobe_v, rtol=0, atol=1e-13)
     assert (Squared(2.0, OMEGA).__class__.__name__ in repr(ss.HarmonicForce(1.0, OMEGA) + Squared(1.0, OMEGA))) is True
 
@@ -189,15 +194,17 @@ def test_a_force_of_ones_own_needs_a_period_and_its_value():
 def test_robots_come_back_from_their_files_and_from_the_mirror(name, runs):
     robot = TRUTH[name][0] if name in TRUTH else BOTH_SIDES
     assert ss.Robot.from_toml(robot.to_toml()) == robot
-    image = ss.mirrored(robot)
-    assert ss.mirrored(image) == robot and all(a.side == -b.side for a, b in zip(image.drive.stops, robot.drive.stops, strict=True))
+    image = ss.dynamics.mirrored(robot)
+    assert ss.dynamics.mirrored(image) == robot and all(
+        a.side == -b.side for a, b in zip(image.drive.stops, robot.drive.stops, strict=True)
+    )
     there, here = (ss.solve(each, periods=10) for each in (image, robot))
     assert np.allclose(there.strobe_x, -here.strobe_x, rtol=0, atol=1e-13) and there.bodies["inner"].strobe_v == pytest.approx(-here.bodies["inner"].strobe_v, abs=1e-13)  # fmt: skip  # noqa: E501
 
 
 def test_without_reaction_the_body_feels_the_spring_alone():
     """A force from outside on a free inner mass moves nothing else."""
-    drive = ss.Forced(ss.HarmonicForce(0.1, 60.0), reaction=False)
+    drive = ss.machines.Forced(ss.HarmonicForce(0.1, 60.0), reaction=False)
     run = ss.solve(ss.Robot(0.2, 0.1, drive, ss.Coulomb(1e-9, 1e-9)), periods=10)
     assert np.all(run.x == 0.0)
     x = 0.1 / (0.1 * 60.0**2) * (60.0 * run.t - np.sin(60.0 * run.t))  # two integrals of F/m
@@ -237,11 +244,11 @@ def test_a_batch_of_capsules_has_one_kernel_and_the_columns_of_the_body():
 @each_row(
     ("make", "said"),
     [
-        (lambda: ss.Forced(3.0), r"force = 3.0; allowed is a force, an object with period, at; type for example ss.HarmonicForce"),
-        (lambda: ss.Forced(ss.Harmonic(1e-3, 200.0)), "allowed is a force"),
-        (lambda: ss.Pulses(1.0, 0.06, 1.0), r"duty = 1.0; allowed is between 0 and 1, .*; type for example duty=0.35"),
-        (lambda: ss.Pulses(1.0, 0.06, 0.0), r"duty = 0.0; allowed is between 0 and 1"),
-        (lambda: ss.Pulses(1.0, -0.06, 0.5), "period = -0.06; allowed is a positive period"),
+        (lambda: ss.machines.Forced(3.0), r"force = 3.0; allowed is a force, an object with period, at; type for example ss.HarmonicForce"),
+        (lambda: ss.machines.Forced(ss.Harmonic(1e-3, 200.0)), "allowed is a force"),
+        (lambda: ss.drives.Pulses(1.0, 0.06, 1.0), r"duty = 1.0; allowed is between 0 and 1, .*; type for example duty=0.35"),
+        (lambda: ss.drives.Pulses(1.0, 0.06, 0.0), r"duty = 0.0; allowed is between 0 and 1"),
+        (lambda: ss.drives.Pulses(1.0, -0.06, 0.5), "period = -0.06; allowed is a positive period"),
         (lambda: ss.HarmonicForce(1.0), "give exactly one of omega .* got neither"),
         (lambda: ss.HarmonicForce(1.0, OMEGA) + 2.0, "a [+] b = 2.0; allowed is a force"),
         (lambda: capsule(1.0, 0.6, 0.05, 4.0, (ss.Stop(gap=-0.1, restitution=0.5),)), r"stops\[0\].gap = -0.1: .*; type side=-1"),
@@ -259,7 +266,10 @@ def test_a_batch_of_capsules_has_one_kernel_and_the_columns_of_the_body():
             "the one behind a stop with restitution is never met; leave it out",
         ),
         (lambda: C3.replace(inner_mass=0.0), "inner_mass = 0.0; allowed is a positive mass"),
-        (lambda: ss.Robot(1.0, 1.0, ss.HarmonicForce(1.0, 2.0), ss.Coulomb(0.1, 0.1)), r"type for example drive=ss.Forced\(HarmonicForce"),
+        (
+            lambda: ss.Robot(1.0, 1.0, ss.HarmonicForce(1.0, 2.0), ss.Coulomb(0.1, 0.1)),
+            r"type for example drive=ss.machines.Forced\(HarmonicForce",
+        ),
         (lambda: C3.drive.acceleration(0.0), "the inner mass moves freely, and the robot has two bodies"),
         (lambda: ss.Chain((C3, C3), ss.Spring(1.0)), "allowed is a Robot whose drive prescribes the motion of its inner mass"),
     ],
@@ -270,7 +280,7 @@ def test_what_is_wrong_is_said_with_what_to_type(make, said):
 
 
 def test_a_start_beyond_a_stop_is_refused():
-    with pytest.raises(ss.StickslipError, match="inner-body"):
+    with pytest.raises(StickslipError, match="inner-body"):
         ss.solve(C3, periods=2, start={"x": {"inner": 0.6}})
 
 
@@ -311,7 +321,7 @@ def test_bristles_under_a_capsule_are_solved_as_the_judge_solves_them(name):
 
 def test_a_stop_that_is_pressed_stays_closed_and_opens_again():
     """A force that grows pulls an inner mass of unit weight off its stop at the moment when it turns, by hand; before it, both rest."""
-    drive = ss.Forced(ss.HarmonicForce(-1.0, 1.0), stops=(ss.Stop(gap=0.0, restitution=0.3, side=-1),))
+    drive = ss.machines.Forced(ss.HarmonicForce(-1.0, 1.0), stops=(ss.Stop(gap=0.0, restitution=0.3, side=-1),))
     robot = ss.Robot(3.0, 1.0, drive, ss.Coulomb(5.0, 5.0), gravity=1.0)
     run = ss.solve(robot, periods=1)
     before, after = (run.t > 1e-9) & (run.t < np.pi), run.t > np.pi  # nothing presses at t = 0
@@ -342,7 +352,7 @@ def drawn(rng, cases, restitution=True):
         ss.Stop(gap=u(0.02, 1.0), restitution=u(0.0, 0.9), side=-1),
     )
     gamma = u(1.5, 8.0)
-    drive = ss.Forced(
+    drive = ss.machines.Forced(
         ss.HarmonicForce(u(0.3, 2.5), u(0.3, 1.6), phase=u(0.0, 6.0)), stiffness=u(0.3, 2.0), damping=u(0.02, 0.4), stops=stops
     )
     law = ss.Coulomb(*(u(0.5, 1.5) / (gamma + 1) for _ in range(2)))

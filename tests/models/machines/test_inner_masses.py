@@ -97,8 +97,11 @@ def test_a_robot_with_several_masses_is_kept_by_a_study_file():
 
 
 PIECES = {
-    "in pieces": (ss.TwoPhase(stroke=1e-3, u1=0.05, u2=0.2), ss.BangBang(a1=20.0, a2=60.0, period=0.0125)),
-    "jumps at one instant": (ss.Sawtooth(stroke=1e-3, rise=0.02, fall=0.005), ss.Sawtooth(stroke=5e-4, rise=0.002, fall=0.0105)),
+    "in pieces": (ss.drives.TwoPhase(stroke=1e-3, u1=0.05, u2=0.2), ss.drives.BangBang(a1=20.0, a2=60.0, period=0.0125)),
+    "jumps at one instant": (
+        ss.drives.Sawtooth(stroke=1e-3, rise=0.02, fall=0.005),
+        ss.drives.Sawtooth(stroke=5e-4, rise=0.002, fall=0.0105),
+    ),
 }
 
 
@@ -115,7 +118,7 @@ def test_drives_in_pieces_repeat_within_the_common_period(drives):
 def test_a_rotor_presses_as_it_turns():
     """An unbalanced rotor moves along and across: xi = A sin, eta = A cos; beside it a mass that moves along only."""
     A = 2e-4
-    rotor = ss.VerticalVibration(ss.Harmonic(A, omega=OMEGA), amplitude=A, phase=0.5 * math.pi)
+    rotor = ss.drives.VerticalVibration(ss.Harmonic(A, omega=OMEGA), amplitude=A, phase=0.5 * math.pi)
     robot = ss.Robot(M, (0.01, 0.02), (rotor, ss.Harmonic(1e-4, omega=2 * OMEGA, phase=0.3)), ss.Coulomb(0.2, 0.2))
     for t in (0.0, 0.003, 0.011):
         load = 0.08 * g - 0.01 * A * OMEGA**2 * math.cos(OMEGA * t)
@@ -135,8 +138,8 @@ def test_what_the_actuators_give_is_what_the_inner_masses_and_friction_take():
 
 def test_the_mirror_image_of_two_masses_moves_the_other_way():
     robot = dimensionless(0.3, 0.7, ss.Coulomb(0.3, 0.4))
-    assert ss.mirrored(ss.mirrored(robot)) == robot
-    there, back = (ss.mean_velocity(ss.solve(each, periods=60)) for each in (robot, ss.mirrored(robot)))
+    assert ss.dynamics.mirrored(ss.dynamics.mirrored(robot)) == robot
+    there, back = (ss.mean_velocity(ss.solve(each, periods=60)) for each in (robot, ss.dynamics.mirrored(robot)))
     assert back == pytest.approx(-there, rel=1e-12)
 
 

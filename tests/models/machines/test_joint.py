@@ -16,7 +16,7 @@ from stickslip.basics.fields import leaves
 J, FK, FS = 0.01, 0.02, 0.03
 DRY, EVEN = ss.Coulomb(FK, FK, f_plus=FS, f_minus=FS), ss.Coulomb(FK, FK)
 GAINS = {"kp": 2.0, "ki": 4.0, "kd": 0.1}
-HUNTING = ss.Joint(inertia=J, friction=DRY, control=ss.PID(**GAINS, target=0.5))
+HUNTING = ss.Joint(inertia=J, friction=DRY, control=ss.machines.PID(**GAINS, target=0.5))
 SWING = ss.Harmonic(amplitude=0.3, frequency=0.5)
 
 
@@ -111,7 +111,7 @@ def test_without_integral_it_stands_still_within_the_stick_band(start):
 
 
 def test_judge_agrees_with_and_without_samples():
-    for control in (ss.PID(**GAINS, target=SWING), ss.PID(**GAINS, target=SWING, sample=0.02, feedforward=FK)):
+    for control in (ss.machines.PID(**GAINS, target=SWING), ss.machines.PID(**GAINS, target=SWING, sample=0.02, feedforward=FK)):
         joint = ss.Joint(inertia=J, friction=DRY, gravity_torque=0.05, control=control)
         exact, judge = ss.solve(joint, periods=3), ss.solve(joint, periods=3, method="dop853", rtol=1e-10)
         t = np.linspace(0.0, 6.0, 301)
@@ -123,17 +123,17 @@ def test_sampled_control_is_that_of_a_plain_loop():
     gains, dt = {"kp": 2.0, "ki": 4.0, "kd": 0.1}, 0.015625
     for friction, Fs in ((DRY, FS), (EVEN, FK)):
         q, v, _ = plain_sampled(4.0, dt, Fs, **gains, target=lambda t: 0.5)
-        run = ss.solve(ss.Joint(inertia=J, friction=friction, control=ss.PID(**gains, target=0.5, sample=dt)), duration=4.0)
+        run = ss.solve(ss.Joint(inertia=J, friction=friction, control=ss.machines.PID(**gains, target=0.5, sample=dt)), duration=4.0)
         assert abs(run.x[-1] - q) < 1e-12 and abs(run.v[-1] - v) < 1e-11
     q, v, _ = plain_sampled(4.0, dt, FS, **gains, target=SWING.position)
-    run = ss.solve(ss.Joint(inertia=J, friction=DRY, control=ss.PID(**gains, target=SWING, sample=dt)), periods=2)
+    run = ss.solve(ss.Joint(inertia=J, friction=DRY, control=ss.machines.PID(**gains, target=SWING, sample=dt)), periods=2)
     assert abs(run.x[-1] - q) < 1e-12 and abs(run.v[-1] - v) < 1e-11
 
 
 @pytest.mark.slow
 def test_fast_samples_are_continuous_control():
     def end(sample):
-        joint = ss.Joint(inertia=J, friction=EVEN, control=ss.PID(**GAINS, target=SWING, sample=sample))
+        joint = ss.Joint(inertia=J, friction=EVEN, control=ss.machines.PID(**GAINS, target=SWING, sample=sample))
         return float(ss.solve(joint, periods=1).x[-1])
 
     whole = end(None)
@@ -142,7 +142,7 @@ def test_fast_samples_are_continuous_control():
 
 
 def test_samples_and_targets_without_a_common_period_have_a_duration():
-    half = ss.Joint(inertia=J, friction=EVEN, control=ss.PID(**GAINS, target=SWING, sample=0.75))
+    half = ss.Joint(inertia=J, friction=EVEN, control=ss.machines.PID(**GAINS, target=SWING, sample=0.75))
     assert half.period == pytest.approx(6.0) and half.cycles == (3,)
     never = half.replace({"control.sample": math.sqrt(0.5)})
     assert never.period is None and "no period" in never.notes[0]
@@ -157,7 +157,7 @@ def test_torque_and_target_of_other_periods_come_back_together():
     torque = ss.Joint(
         inertia=J, friction=EVEN, torque=(np.linspace(0.0, 3.0, 61), 0.05 * np.sin(2 * np.pi * np.linspace(0.0, 3.0, 61) / 3.0))
     )
-    both = torque.replace(control=ss.PID(kp=0.5, ki=0.0, kd=0.05, target=ss.Trapezoid.example().replace(period=2.0)))
+    both = torque.replace(control=ss.machines.PID(kp=0.5, ki=0.0, kd=0.05, target=ss.drives.Trapezoid.example().replace(period=2.0)))
     assert both.period == pytest.approx(6.0) and both.cycles == (2, 3)
     exact, judge = ss.solve(both, periods=2), ss.solve(both, periods=2, method="dop853", rtol=1e-10)
     assert abs(exact.x[-1] - judge.x[-1]) < 1e-8
@@ -174,7 +174,7 @@ def test_feedforward_of_friction_reduces_the_tracking_error():
 
 
 def test_a_stiff_gear_without_backlash_is_a_rigid_one():
-    rigid = ss.Joint(inertia=J, friction=DRY, gear_ratio=10.0, motor_inertia=1e-4, control=ss.PID(0.2, 0.0, 0.01, target=SWING))
+    rigid = ss.Joint(inertia=J, friction=DRY, gear_ratio=10.0, motor_inertia=1e-4, control=ss.machines.PID(0.2, 0.0, 0.01, target=SWING))
     elastic = rigid.replace(gear_stiffness=2e4, gear_damping=2.0)
     a, b = ss.solve(rigid, periods=1).x[-1], ss.solve(elastic, periods=1)
     assert abs(a - b.x[-1]) < 1e-4  # a torque of some 0.1 N m winds it up by 5e-6 rad
@@ -185,7 +185,7 @@ def test_a_stiff_gear_without_backlash_is_a_rigid_one():
 def test_backlash_makes_a_limit_cycle_that_the_judge_finds_too():
     servo = ss.Joint(
         inertia=J, friction=ss.Coulomb(1e-3, 1e-3), gear_ratio=1.0, motor_inertia=J, backlash=0.02, gear_stiffness=50.0, gear_damping=0.05,
-        control=ss.PID(kp=2.0, ki=6.0, kd=0.12, target=0.0), angle=0.0,
+        control=ss.machines.PID(kp=2.0, ki=6.0, kd=0.12, target=0.0), angle=0.0,
     )  # fmt: skip
     run = ss.solve(servo, duration=12.0, start={"x": {"joint": 0.05, "motor": 0.05}})
     assert np.ptp(run.x[run.t > 9.0]) > 0.01
@@ -211,14 +211,14 @@ def test_load_that_grows_with_gravity_holds_at_a_steeper_angle():
 def test_bristles_under_sampled_control_are_the_judges():
     joint = ss.Joint(
         inertia=J, friction=ss.LuGre(FK, FK, FS, FS, sigma0=100.0, sigma1=0.3, sigma2=1e-3, v_s=0.05),
-        control=ss.PID(**GAINS, target=SWING, sample=0.05),
+        control=ss.machines.PID(**GAINS, target=SWING, sample=0.05),
     )  # fmt: skip
     lanes, judge = ss.solve(joint, periods=2, rtol=1e-9), ss.solve(joint, periods=2, method="radau", rtol=1e-9)
     assert abs(lanes.x[-1] - judge.x[-1]) < 1e-6 and abs(lanes.v[-1] - judge.v[-1]) < 1e-5
 
 
 def sampled(**changes):
-    base = ss.Joint(inertia=J, friction=EVEN, gravity_torque=0.05, control=ss.PID(**GAINS, target=SWING, sample=0.05))
+    base = ss.Joint(inertia=J, friction=EVEN, gravity_torque=0.05, control=ss.machines.PID(**GAINS, target=SWING, sample=0.05))
     return base.replace({name.replace("__", "."): value for name, value in changes.items()})
 
 
@@ -256,7 +256,7 @@ def ends(joint, name, value, at=None, **how):
 @pytest.mark.parametrize("name", ["control.kp", "control.ki", "control.kd", "inertia", "friction.mu_plus", "control.target.amplitude"])
 def test_derivatives_of_a_sampled_run_are_those_of_differences(name):
     joint, how = sampled(), {"periods": 3, "at": 4.0}  # after the sample at the end of the second period
-    found = ss.sensitivity(ss.solve(joint, periods=2), wrt=name)
+    found = ss.dynamics.sensitivity(ss.solve(joint, periods=2), wrt=name)
     value = dict(leaves(joint))[name]
     h = 1e-5 * value
     differences = (ends(joint, name, value + h, **how) - ends(joint, name, value - h, **how)) / (2 * h)
@@ -267,16 +267,16 @@ def test_derivatives_of_a_sampled_run_are_those_of_differences(name):
 
 def test_derivative_by_the_time_between_samples():
     """Samples move with it; nothing else does, as a number for a target has no period."""
-    joint = ss.Joint(inertia=J, friction=EVEN, gravity_torque=0.05, control=ss.PID(**GAINS, target=0.5, sample=0.05))
+    joint = ss.Joint(inertia=J, friction=EVEN, gravity_torque=0.05, control=ss.machines.PID(**GAINS, target=0.5, sample=0.05))
     how, h = {"duration": 0.97}, 1e-7
-    found = ss.sensitivity(ss.solve(joint, **how), wrt="control.sample")
+    found = ss.dynamics.sensitivity(ss.solve(joint, **how), wrt="control.sample")
     differences = (ends(joint, "control.sample", 0.05 + h, **how) - ends(joint, "control.sample", 0.05 - h, **how)) / (2 * h)
     assert np.allclose(np.ravel(found.state), differences, rtol=1e-4, atol=1e-5 * abs(differences).max())
 
 
 def test_a_period_that_samples_do_not_divide_is_told():
     with pytest.raises(ss.InputError, match="do not repeat after the period"):
-        ss.sensitivity(sampled(), wrt="control.sample")
+        ss.dynamics.sensitivity(sampled(), wrt="control.sample")
 
 
 def test_batch_and_sweep_are_the_single_runs():
@@ -346,9 +346,9 @@ def test_all_that_is_wrong_is_said_at_once():
     for words in ("inertia", "backlash", "gear_ratio", "torque and control are both missing"):
         assert any(words in problem for problem in told.value.problems)
     with pytest.raises(ss.InputError) as told:
-        ss.PID(kp=-1.0, ki=math.nan, kd=0.1, target="there", sample=0.0, feedback="hand")
+        ss.machines.PID(kp=-1.0, ki=math.nan, kd=0.1, target="there", sample=0.0, feedback="hand")
     assert len(told.value.problems) >= 4
-    with pytest.raises(ss.InputError, match=r"control = .*allowed is a PID; type control=ss\.PID"):
+    with pytest.raises(ss.InputError, match=r"control = .*allowed is a PID; type control=ss\.machines\.PID"):
         ss.Joint(inertia=1.0, friction=DRY, control=lambda t: 1.0)
     with pytest.raises(ss.InputError, match="no at; allowed is a torque"):
         ss.Joint(inertia=1.0, friction=DRY, torque=EVEN)
@@ -356,7 +356,7 @@ def test_all_that_is_wrong_is_said_at_once():
 
 def test_a_joint_whose_friction_vanishes_at_rest_runs():
     """The size of what its controller holds came from friction at rest alone, was zero, and so were its steps."""
-    pid = ss.PID(kp=2.6, ki=3.4, kd=0.2, target=0.155, sample=0.02)
+    pid = ss.machines.PID(kp=2.6, ki=3.4, kd=0.2, target=0.155, sample=0.02)
     joint = ss.Joint(inertia=0.015, friction=ss.Viscous(0.0052, 0.0012), control=pid, angle=-0.46)
     judged = ss.solve(joint, duration=0.5, method="dop853", rtol=1e-12)
     assert ss.solve(joint, duration=0.5).x[-1] == pytest.approx(judged.x[-1], abs=1e-10)

@@ -52,7 +52,7 @@ def _ways(friction, **how):
 def test_karnopp_behind_a_closed_stop_approaches_coulomb_as_its_band_narrows():
     """A body that breaks away with a force that grows steadily is in the band for a time in proportion to the root of its width."""
     exact = _ways(ss.Coulomb(**COEFFICIENTS), method="dop853")
-    off = [np.max(abs(_ways(ss.Karnopp(**COEFFICIENTS, width=width), rtol=1e-9) - exact)) for width in (1e-4, 1e-6)]
+    off = [np.max(abs(_ways(ss.friction.Karnopp(**COEFFICIENTS, width=width), rtol=1e-9) - exact)) for width in (1e-4, 1e-6)]
     assert off[1] == pytest.approx(0.1 * off[0], rel=0.05)
     assert off[1] < 1e-3 * np.max(abs(exact))
 
@@ -60,13 +60,13 @@ def test_karnopp_behind_a_closed_stop_approaches_coulomb_as_its_band_narrows():
 @pytest.mark.slow
 def test_engine_and_judge_agree_on_karnopp_behind_a_closed_stop():
     """The judge's steps are held to 1e-9 of the state, ours too; hundreds of steps, so a few hundred times that."""
-    law = ss.Karnopp(**COEFFICIENTS, width=1e-4)
+    law = ss.friction.Karnopp(**COEFFICIENTS, width=1e-4)
     np.testing.assert_allclose(_ways(law, rtol=1e-9), _ways(law, rtol=1e-9, method="bdf"), rtol=0.0, atol=1e-6)
 
 
 def test_friction_that_creeps_is_the_law_above_the_least_velocity_and_proportional_below_it():
     """Above w the two differ by w^2/v^2 times at most 1 + 1/ln(v/creep) < 2; below it half the velocity is half the force."""
-    law, w = adapted(ss.RateState(mu0=0.6, a=0.01, b=0.015, Dc=1e-5, v0=1e-6)), 1e-12
+    law, w = adapted(ss.friction.RateState(mu0=0.6, a=0.01, b=0.015, Dc=1e-5, v0=1e-6)), 1e-12
 
     def forces(v):
         return law.resolved(w, v, (0.3,), (0.0,), 2.0), law.force(v, (0.3,), (0.0,), 2.0)

@@ -80,7 +80,7 @@ class Mesh(ss.Machine):
         return {"a": ss.Contact("a", ss.Coulomb(0.5, 0.5), load=1.0)} if self.rubs else {}
 
     def links(self):
-        return {("a", "b"): ss.Link(force=lambda t, distance, rate: self.stiffness(t) * distance + self.damping * rate)}
+        return {("a", "b"): ss.machines.Link(force=lambda t, distance, rate: self.stiffness(t) * distance + self.damping * rate)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +101,7 @@ class Leg(ss.Machine):
         return {name: ss.Contact(name, ss.Coulomb(0.05, 0.1)) for name in ("front", "back")}
 
     def links(self):
-        return {("front", "back"): ss.Link(distance=lambda t: 0.02 + 0.005 * sin(self.omega * t))}
+        return {("front", "back"): ss.machines.Link(distance=lambda t: 0.02 + 0.005 * sin(self.omega * t))}
 
 
 def test_a_ball_bounces_once_a_period_as_the_formula_says():
@@ -153,7 +153,7 @@ def test_a_run_is_that_of_the_judge_and_its_energy_balances(machine, far):
 
 
 def test_a_stop_that_moves_is_turned_round_in_the_mirror():
-    run, image = (ss.solve(made, periods=8) for made in (Plate(0.02, 30.0), ss.mirrored(Plate(0.02, 30.0))))
+    run, image = (ss.solve(made, periods=8) for made in (Plate(0.02, 30.0), ss.dynamics.mirrored(Plate(0.02, 30.0))))
     t = np.linspace(0.0, 8 * run.period_time, 801)
     assert np.array_equal(image.at(t)["x"], -run.at(t)["x"])
 
@@ -180,9 +180,9 @@ def test_rates_of_a_function_of_time_are_its_derivatives():
         (lambda: ss.Stop(restitution=0.5), "gap = None and at = None; allowed is one of the two; type gap=0.01"),
         (lambda: ss.Stop(gap=0.1, at=sin, restitution=0.5), "allowed is one of the two"),
         (lambda: ss.Stop(at=0.1, restitution=0.5), "at = 0.1 has no position and no velocity and no acceleration"),
-        (lambda: ss.Link(), "allowed is force or distance"),
-        (lambda: ss.Link(force=lambda x, v: x), "allowed is a function of t, distance, rate"),
-        (lambda: ss.Link(force=lambda t, x, v: x, distance=sin), "allowed is one of force and distance"),
+        (lambda: ss.machines.Link(), "allowed is force or distance"),
+        (lambda: ss.machines.Link(force=lambda x, v: x), "allowed is a function of t, distance, rate"),
+        (lambda: ss.machines.Link(force=lambda t, x, v: x, distance=sin), "allowed is one of force and distance"),
         (lambda: Leg(30.0, position=0.01), r"prescribes a distance of 0.02 m at t = 0, .* 0.01 m apart; type position=0.02"),
         (lambda: ss.solve(Roof(0.3, named=False), periods=2), r"does not name their instants; type breaks=\(...\)"),
     ],

@@ -35,7 +35,7 @@ def test_identical_modules_in_phase_move_as_one():
 
 def test_two_feet_of_one_body_rest_and_break_away_together():
     """M2h: modules on a rigid link with phases 0 and 2 are one module whose amplitude is A cos 1."""
-    run = ss.solve(problems.chain(0.0, 2.0, link=ss.Rigid()), periods=100)
+    run = ss.solve(problems.chain(0.0, 2.0, link=ss.machines.Rigid()), periods=100)
     assert run.method == "exact" and last_period(run) == pytest.approx([0.000217301001732] * 2, rel=1e-11)
 
 
@@ -81,7 +81,9 @@ def test_four_inertias_with_three_clutches_have_the_events_of_the_judge():
     assert np.all((abs(run.friction_force) <= problems.Clutches().mu * run.load * (1 + 1e-12))[run.mode == 0])
 
 
-@pytest.mark.parametrize("drive", [ss.TwoPhase(stroke=1e-3, u1=0.05, u2=0.2), ss.BangBang.example()], ids=lambda d: type(d).__name__)
+@pytest.mark.parametrize(
+    "drive", [ss.drives.TwoPhase(stroke=1e-3, u1=0.05, u2=0.2), ss.drives.BangBang.example()], ids=lambda d: type(d).__name__
+)
 def test_modules_with_drives_in_pieces_may_be_shifted(drive):
     """The breaks and jumps of each module come at instants of its own."""
     module = ss.Robot(problems.BODY, problems.INNER, drive, problems.LOW)

@@ -118,7 +118,7 @@ def test_lugre_drifts_below_break_away():
 
 def test_elasto_plastic_friction_does_not_drift_below_break_away():
     """L3, Dupont et al. 2002: within the elastic range z_ba = .7 Fc/sigma0 the mass comes back, here to 1e-12 m per period."""
-    law = ss.ElastoPlastic(1.0, 1.0, 1.5, 1.5, sigma0=1e5, sigma1=math.sqrt(1e5), sigma2=0.4, v_s=1e-3, z_ba=0.7e-5)
+    law = ss.friction.ElastoPlastic(1.0, 1.0, 1.5, 1.5, sigma0=1e5, sigma1=math.sqrt(1e5), sigma2=0.4, v_s=1e-3, z_ba=0.7e-5)
     pushed = oscillator(law, stiffness=0.0, force=0.2, omega=2 * np.pi, bias=0.4)
     run = ss.solve(pushed, periods=12, method="lsoda", rtol=1e-10, samples=4)
     assert abs(run.strobe_x[12] - run.strobe_x[8]) / 4 < 1e-12

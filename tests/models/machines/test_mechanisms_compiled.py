@@ -84,7 +84,7 @@ def rig(drive, mu=(0.15, 0.25), ratio=0.1315):
 )
 def test_two_phase_drives_move_as_on_paper(u1, u2, velocity):
     """D1, both phases end at rest; D2, the fast phase ends sliding; and an impulse finds the body where the formula has it."""
-    drive = ss.TwoPhase(stroke=0.01, u1=u1, u2=u2)
+    drive = ss.drives.TwoPhase(stroke=0.01, u1=u1, u2=u2)
     run = exact(rig(drive), periods=8)
     assert ss.mean_velocity(run) == pytest.approx(float(two_phase(drive, 0.1315, 0.15, 0.25)), rel=1e-12)
     if velocity is not None:
@@ -96,7 +96,7 @@ def test_two_phase_drives_move_as_on_paper(u1, u2, velocity):
 @pytest.mark.parametrize("numbers", [(10.0, 60.0, 12.0), (17.0, 90.0, 18.0), (12.0, 1e3, 18.0)])
 def test_three_phase_drives_move_as_on_paper(numbers):
     """D3 for the first: 0.015990705704 m/s."""
-    drive = ss.ThreePhase(u1=0.3, w1=numbers[0], w2=numbers[1], w3=numbers[2])
+    drive = ss.drives.ThreePhase(u1=0.3, w1=numbers[0], w2=numbers[1], w3=numbers[2])
     found = ss.mean_velocity(exact(rig(drive), periods=8))
     assert found == pytest.approx(float(three_phase(drive, 0.1315, 0.15, 0.25)), rel=1e-12)
     if numbers[1] == 60.0:
@@ -106,7 +106,7 @@ def test_three_phase_drives_move_as_on_paper(numbers):
 @pytest.mark.parametrize("damping", [0.0, 1e-6])
 def test_a_mass_that_friction_holds_to_rounding_goes_on(damping):
     """Its position is 1e-30 m for a while, which a tolerance relative to it cannot resolve; at rest until k u t reaches static friction."""
-    law = ss.Karnopp(mu_plus=4.4e-4, mu_minus=4.4e-4, f_plus=6.9e-4, f_minus=6.9e-4, width=5.9e-4)
+    law = ss.friction.Karnopp(mu_plus=4.4e-4, mu_minus=4.4e-4, f_plus=6.9e-4, f_minus=6.9e-4, width=5.9e-4)
     bench = ss.PulledMass(mass=1.72, stiffness=0.788, speed=0.0402, friction=law, load=3.4, damping=damping)
     at = law.f_plus * bench.load / (bench.stiffness * bench.speed)
     assert abs(ss.solve(bench, duration=0.99 * at).x[-1]) < 1e-15

@@ -13,7 +13,7 @@ from stickslip.maths import cos, pi, sin
 from stickslip.models.mirroring import _unmirrored
 
 LINKS = (ss.Spring(900.0, 0.3, 0.02), ss.Spring(1200.0, 0.4))
-WORM = ss.Chain(ss.Bodies(0.05, 3, ss.Coulomb(0.1, 0.3)), ss.Gait(ss.Harmonic(2e-3, frequency=2.0), lag=2 * pi / 3))
+WORM = ss.Chain(ss.machines.Bodies(0.05, 3, ss.Coulomb(0.1, 0.3)), ss.machines.Gait(ss.Harmonic(2e-3, frequency=2.0), lag=2 * pi / 3))
 LOPSIDED = SHAKEN.replace(track=ss.Incline(0.03))
 
 
@@ -97,15 +97,16 @@ class Prescribed(ss.Machine):
         Everything(300.0, STICTION),
         Prescribed(ss.Harmonic(2e-3, 60.0), ss.Coulomb(0.1, 0.3)),
         WORM,
-        ss.Chain(ss.Bodies((0.05, 0.04, 0.03), 3, ss.Coulomb(0.1, 0.3)), (ss.Rigid(), ss.Gait(ss.Harmonic(2e-3, 12.0), lag=0.7))),
+        ss.Chain(ss.machines.Bodies((0.05, 0.04, 0.03), 3, ss.Coulomb(0.1, 0.3)), (ss.machines.Rigid(), ss.machines.Gait(ss.Harmonic(2e-3,
+        12.0), lag=0.7))),
     ],
     ids=lambda machine: type(machine).__name__,
 )  # fmt: skip
 def test_a_machine_in_the_mirror_is_the_machine_the_other_way(machine):
     """Over a few periods, in which rounding grows by less than the tolerance; bodies of a chain change places."""
     length = {"duration": 6.0} if machine.period is None else {"periods": 3}
-    run, image = ss.solve(machine, **length), ss.solve(ss.mirrored(machine), **length)
-    order = slice(None, None, -1) if isinstance(ss.mirrored(machine), ss.Chain) else slice(None)
+    run, image = ss.solve(machine, **length), ss.solve(ss.dynamics.mirrored(machine), **length)
+    order = slice(None, None, -1) if isinstance(ss.dynamics.mirrored(machine), ss.Chain) else slice(None)
     t = np.linspace(0.0, run.pieces.t[-1], 200)
     here, there = run.at(t), image.at(t)
     for name in ("v", "friction_force", "acceleration"):
@@ -119,7 +120,7 @@ def test_a_machine_in_the_mirror_is_the_machine_the_other_way(machine):
 
 def _named(part, machine):
     """The name in the mirror: of a chain counted from the other end; of a stop with its ends exchanged."""
-    if isinstance(ss.mirrored(machine), ss.Chain):
+    if isinstance(ss.dynamics.mirrored(machine), ss.Chain):
         return f"module {len(machine.modules) + 1 - int(part.rpartition(' ')[2])}"
     first, dash, second = part.partition("-")
     return f"{second}-{first}" if dash else part
@@ -144,28 +145,28 @@ class Stage(ss.Machine):
 
 
 def test_jumps_of_what_a_contact_rubs_on_are_in_the_mirror_too():
-    stage = Stage(ss.Sawtooth(stroke=5e-6, rise=0.95e-3, fall=0.05e-3), ss.Coulomb(0.2, 0.3))
-    there, back = (ss.mean_velocity(ss.solve(each, periods=30)) for each in (stage, ss.mirrored(stage)))
+    stage = Stage(ss.drives.Sawtooth(stroke=5e-6, rise=0.95e-3, fall=0.05e-3), ss.Coulomb(0.2, 0.3))
+    there, back = (ss.mean_velocity(ss.solve(each, periods=30)) for each in (stage, ss.dynamics.mirrored(stage)))
     assert there > 0 and back == pytest.approx(-there, rel=1e-12)
 
 
 @each_row("name", with_bodies)
 def test_what_is_mirrored_twice_is_the_machine_again(name):
     machine = every_machine[name][0]
-    assert ss.mirrored(ss.mirrored(machine)) == machine
+    assert ss.dynamics.mirrored(ss.dynamics.mirrored(machine)) == machine
 
 
 def test_a_chain_stays_a_chain_that_a_file_can_hold():
     chain = ss.Chain((SHAKEN, SHAKEN.replace(body_mass=0.05)), ss.Spring(900.0), phases=(0.0, 1.0))
-    image = ss.mirrored(chain)
+    image = ss.dynamics.mirrored(chain)
     assert [m.body_mass for m in image.modules] == [0.05, SHAKEN.body_mass] and image.phases == (1.0, 0.0)
     assert ss.Chain.from_toml(image.to_toml()) == image
 
 
 def test_plain_bodies_in_the_mirror_change_places():
-    row = ss.Chain(ss.Bodies((0.05, 0.04), 2, ss.Coulomb(0.1, 0.3)), ss.Spring(900.0))
-    image = ss.mirrored(row)
-    assert image.modules.mass == (0.04, 0.05) and image.modules.friction == ss.Coulomb(0.3, 0.1) and ss.mirrored(image) == row
+    row = ss.Chain(ss.machines.Bodies((0.05, 0.04), 2, ss.Coulomb(0.1, 0.3)), ss.Spring(900.0))
+    image = ss.dynamics.mirrored(row)
+    assert image.modules.mass == (0.04, 0.05) and image.modules.friction == ss.Coulomb(0.3, 0.1) and ss.dynamics.mirrored(image) == row
 
 
 def test_a_bench_whose_equations_were_changed_is_refused():
@@ -175,12 +176,12 @@ def test_a_bench_whose_equations_were_changed_is_refused():
             return super().acceleration(t, x, v, R) + 0.1
 
     with pytest.raises(ss.InputError, match="the acceleration is another one"):
-        ss.mirrored(Pushed(1.0, 2.0, 0.1, DRY))
+        ss.dynamics.mirrored(Pushed(1.0, 2.0, 0.1, DRY))
 
 
 def test_each_part_of_a_bench_that_is_not_mirrored_is_named():
     bench = every_machine["BlockOnBelt"][0]
-    image = ss.mirrored(bench)
+    image = ss.dynamics.mirrored(bench)
     assert _unmirrored(bench, image) == ""
     for change, said in [
         ({"load": 2.0}, "the load"), ({"speed": 0.1}, "the velocity at the contact"), ({"stiffness": 3.0}, "the acceleration"),
@@ -200,10 +201,10 @@ def test_what_has_no_mirror_image_says_what_to_write():
             return v
 
     with pytest.raises(ss.InputError, match=r"Slide has no drive on a track .* no method mirrored\(\); write one"):
-        ss.mirrored(Slide())
+        ss.dynamics.mirrored(Slide())
 
 
 def test_a_capsule_in_the_mirror_goes_backwards_with_its_hammer_at_the_other_wall():
     capsule = Capsule(300.0, DRY)
-    stop = ss.mirrored(capsule).stops()
+    stop = ss.dynamics.mirrored(capsule).stops()
     assert list(stop) == [("capsule", "hammer")]

@@ -12,7 +12,7 @@ from stickslip.maths import sin, where
 from stickslip.models.drives.shifted import Shifted
 
 DRY = ss.Coulomb(mu_plus=0.1, mu_minus=0.1)
-SAW = ss.Sawtooth(stroke=5e-6, rise=0.95e-3, fall=0.05e-3)
+SAW = ss.drives.Sawtooth(stroke=5e-6, rise=0.95e-3, fall=0.05e-3)
 
 
 def step(stroke, rise, fall, mass, friction, against):
@@ -36,7 +36,7 @@ def step(stroke, rise, fall, mass, friction, against):
 def test_a_stage_walks_the_closed_formula(stroke, rise, fall, mass, load, mu, against):
     stage = ss.presets.stick_slip_stage(stroke=stroke, rise=rise, fall=fall, mass=mass, load=load, mu=mu, force=-against)
     expected = step(stroke, rise, fall, mass, mu * load, against)
-    assert ss.step_per_cycle(ss.solve(stage, periods=10)) == pytest.approx(expected, rel=1e-12)
+    assert ss.analysis.step_per_cycle(ss.solve(stage, periods=10)) == pytest.approx(expected, rel=1e-12)
     judged = ss.solve(stage, periods=4, method="dop853", rtol=1e-12)
     assert float(judged.strobe_x[4] - judged.strobe_x[3]) == pytest.approx(expected, rel=1e-11)
 
@@ -45,13 +45,15 @@ def test_a_tilt_pulls_a_stage_as_a_force_does():
     tilt = -0.6  # uphill
     stage = ss.MovingTrack(mass=0.02, along=SAW, friction=DRY, load=20.0, tilt=tilt)
     against = 0.02 * 9.81 * math.sin(0.6)
-    assert ss.step_per_cycle(ss.solve(stage, periods=10)) == pytest.approx(step(5e-6, 0.95e-3, 0.05e-3, 0.02, 2.0, against), rel=1e-12)
+    assert ss.analysis.step_per_cycle(ss.solve(stage, periods=10)) == pytest.approx(
+        step(5e-6, 0.95e-3, 0.05e-3, 0.02, 2.0, against), rel=1e-12
+    )
 
 
 def test_a_stage_in_the_mirror_walks_back():
     stage = ss.presets.stick_slip_stage(force=0.2)
-    assert ss.step_per_cycle(ss.solve(ss.mirrored(stage), periods=10)) == pytest.approx(
-        -ss.step_per_cycle(ss.solve(stage, periods=10)), rel=1e-12
+    assert ss.analysis.step_per_cycle(ss.solve(ss.dynamics.mirrored(stage), periods=10)) == pytest.approx(
+        -ss.analysis.step_per_cycle(ss.solve(stage, periods=10)), rel=1e-12
     )
 
 
@@ -70,8 +72,8 @@ def test_smooth_waveforms_walk_back_where_their_stroke_is_small(name):
     law = {
         "Coulomb": ss.Coulomb(0.1, 0.1),
         "LuGre": ss.LuGre(0.1, 0.1, sigma1=100.0, sigma2=0.0, **contact),
-        "elasto-plastic": ss.ElastoPlastic(0.1, 0.1, sigma1=100.0, sigma2=0.0, z_ba=1.4e-7, **contact),
-        "GMS": ss.GMS(0.1, 0.1, attraction=1e5, **contact),
+        "elasto-plastic": ss.friction.ElastoPlastic(0.1, 0.1, sigma1=100.0, sigma2=0.0, z_ba=1.4e-7, **contact),
+        "GMS": ss.friction.GMS(0.1, 0.1, attraction=1e5, **contact),
     }[name]
     A = np.array([7e-6 if name == "Coulomb" else 4.5e-6, 10e-6]) * 0.385
     tip = ss.MultiHarmonic(frequency=1000.0, amplitudes=(A, A / 4), phases=(0.0, np.pi))
@@ -107,7 +109,7 @@ def test_a_conveyor_with_hops_has_its_speed(method):
 
 def test_a_slip_that_begins_without_acceleration_goes_on_beside_rounding():
     """Break-away of a law whose friction falls with velocity, on a track in motion: the slip is a difference, and zero to rounding only."""
-    kicks = ss.Pieces(durations=(0.008331600033387156, 0.023751674211302875), accelerations=(4.568129831501774, -1.6024062269490562))
+    kicks = ss.drives.Pieces(durations=(0.008331600033387156, 0.023751674211302875), accelerations=(4.568129831501774, -1.6024062269490562))
     law = ss.Stribeck(
         0.18305265729373094, 0.15207224222760618, 0.21966318875247712, 0.17379684826012134, v_s=0.002, exponent=1.0, viscous=0.4
     )
@@ -182,25 +184,25 @@ def test_lanes_hop_as_single_runs_do():
 def test_the_time_in_flight_is_a_column():
     aloft = {"aloft": ss.observable(lambda s: where(s.contacts["mass"].load > 1e-9, 0.0, 1.0), reduce="mean")}
     grid = ss.sweep(ss.presets.conveyor, throw_index=[0.9, 2.5], periods=60, observe=aloft)
-    expected = [ss.hops(ss.solve(ss.presets.conveyor(throw_index=g), periods=60)).fraction for g in (0.9, 2.5)]
+    expected = [ss.analysis.hops(ss.solve(ss.presets.conveyor(throw_index=g), periods=60)).fraction for g in (0.9, 2.5)]
     assert grid.aloft.values == pytest.approx(expected, abs=0.02)  # noted at the nodes of a quadrature on each step
 
 
 def test_hops_are_counted():
-    found = ss.hops(ss.solve(ss.presets.conveyor(throw_index=2.5), periods=40))
+    found = ss.analysis.hops(ss.solve(ss.presets.conveyor(throw_index=2.5), periods=40))
     assert found.landings == 1
     assert found.fraction == pytest.approx(0.9228047642 - 0.0654949402, abs=1e-9)
-    none = ss.hops(ss.solve(ss.presets.conveyor(throw_index=0.9), periods=40))
+    none = ss.analysis.hops(ss.solve(ss.presets.conveyor(throw_index=0.9), periods=40))
     assert (none.landings, none.fraction, none.height) == (0, 0.0, 0.0)
 
 
 def test_the_throw_index_is_that_of_the_preset():
     indices = np.array([0.5, 1.0, 3.3])
-    assert ss.throw_index(ss.presets.conveyor(throw_index=indices, tilt_deg=4.0)) == pytest.approx(indices, rel=1e-12)
-    assert ss.throw_index(ss.presets.stick_slip_stage()) == 0.0
-    kicks = ss.Pieces(durations=(0.01, 0.03), accelerations=(15.0, -5.0))
+    assert ss.analysis.throw_index(ss.presets.conveyor(throw_index=indices, tilt_deg=4.0)) == pytest.approx(indices, rel=1e-12)
+    assert ss.analysis.throw_index(ss.presets.stick_slip_stage()) == 0.0
+    kicks = ss.drives.Pieces(durations=(0.01, 0.03), accelerations=(15.0, -5.0))
     thrown = ss.MovingTrack(mass=0.3, along=kicks, across=kicks, friction=DRY)
-    assert ss.throw_index(thrown) == pytest.approx(5.0 / 9.81, rel=1e-12)
+    assert ss.analysis.throw_index(thrown) == pytest.approx(5.0 / 9.81, rel=1e-12)
 
 
 # ---- laws with inner states ------------------------------------------------------------------------------------------
@@ -215,7 +217,7 @@ def test_a_bristle_lets_go_where_the_load_is_gone():
 @pytest.mark.slow
 @pytest.mark.parametrize("law", ["lugre", "elastoplastic", "gms", "dahl"])
 def test_stages_with_inner_states_agree_with_the_judge(law):
-    friction = ss.LAWS[law].example()
+    friction = ss.friction.LAWS[law].example()
     soft = {"sigma0": 2e5, "sigma1": 20.0}
     stage = ss.presets.stick_slip_stage().replace(friction=friction.replace(**{k: v for k, v in soft.items() if hasattr(friction, k)}))
     mine, other = ss.solve(stage, periods=4, rtol=1e-9), ss.solve(stage, periods=4, rtol=1e-9, method="radau")
@@ -244,7 +246,7 @@ def test_what_is_wrong_is_said_with_what_to_type():
         "mass": (dict(mass=-1.0), "a positive mass"),
         "period": (dict(across=ss.Harmonic(1e-4, omega=100.0)), "one common period"),
         "jumps": (dict(along=SAW, across=SAW), "infinite load"),
-        "along": (dict(along=3.0), "type along=ss.Sawtooth"),
+        "along": (dict(along=3.0), "type along=ss.drives.Sawtooth"),
         "friction": (dict(friction=None), "friction=ss.Coulomb"),
     }
     for name, (changes, said) in wrong.items():
@@ -256,7 +258,7 @@ def test_what_is_wrong_is_said_with_what_to_type():
     with pytest.raises(ss.InputError, match="law"):
         ss.presets.stick_slip_stage(law="glue")
     with pytest.raises(ss.InputError, match="none of its contacts can"):
-        ss.hops(ss.solve(ss.presets.stick_slip_stage(), periods=3))
+        ss.analysis.hops(ss.solve(ss.presets.stick_slip_stage(), periods=3))
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,13 +14,13 @@ def test_bodies_that_nothing_holds_move_from_rest_where_forces_begin_slowly():
     count, rng = 40, np.random.default_rng(11)
     oil, wide, stroke = 1e-3 * 10.0 ** rng.uniform(-1, 1, count), 1e3, 6.8e-4
     springs = (ss.Spring(0.27, damping=0.003, length=0.03), ss.Spring(4.4, length=0.03), ss.Spring(0.24, damping=0.0012, length=0.02))
-    link = (ss.Gait(ss.MultiHarmonic(4.7, (stroke, 0.3 * stroke), (0.0, 2.9)), lag=-1.3, length=0.02), *springs)
+    link = (ss.machines.Gait(ss.MultiHarmonic(4.7, (stroke, 0.3 * stroke), (0.0, 2.9)), lag=-1.3, length=0.02), *springs)
 
     def solved(law, **how):
-        return ss.solve(ss.Chain(ss.Bodies(mass=0.018, count=5, friction=law), link=link), periods=4, **how)
+        return ss.solve(ss.Chain(ss.machines.Bodies(mass=0.018, count=5, friction=law), link=link), periods=4, **how)
 
     found, band = solved(ss.Viscous(oil, 2.0 * oil)), oil * wide / (0.018 * 9.81)
-    other = solved(ss.DeadBand(mu_plus=band, mu_minus=2.0 * band, width=wide), rtol=1e-9)
+    other = solved(ss.friction.DeadBand(mu_plus=band, mu_minus=2.0 * band, width=wide), rtol=1e-9)
     assert np.all(np.asarray(found.status) == Status.FINISHED)
     apart = abs(np.asarray(found.displacement) - np.asarray(other.displacement))
     assert np.max(apart) < 1e-8 * stroke

@@ -144,10 +144,10 @@ def test_orbits_sections_and_mirror_images_are_of_the_principal_body(runs):
     orbit = ss.periodic_orbit(NAMED)
     assert orbit.mean_velocity == pytest.approx(ss.periodic_orbit(PLAIN).mean_velocity, rel=1e-9)  # steady: all bodies have one mean
     assert orbit.pattern == orbit.motion.contacts["capsule"].pattern
-    assert ss.strobe(runs[0]).v.dims == ("point",) and ss.spectrum(runs[0]).amplitude.dims == ("order",)
-    assert np.array_equal(ss.spectrum(runs[0], body="hammer").amplitude, ss.spectrum(runs[1], body="hammer").amplitude)
-    assert len(ss.poincare(runs[0], on="v.hammer").v) == len(ss.poincare(runs[1], on="v.hammer").v)
-    image = ss.solve(ss.mirrored(NAMED), **LENGTH)
+    assert ss.dynamics.strobe(runs[0]).v.dims == ("point",) and ss.dynamics.spectrum(runs[0]).amplitude.dims == ("order",)
+    assert np.array_equal(ss.dynamics.spectrum(runs[0], body="hammer").amplitude, ss.dynamics.spectrum(runs[1], body="hammer").amplitude)
+    assert len(ss.dynamics.poincare(runs[0], on="v.hammer").v) == len(ss.dynamics.poincare(runs[1], on="v.hammer").v)
+    image = ss.solve(ss.dynamics.mirrored(NAMED), **LENGTH)
     assert image.v.shape == image.t.shape and ss.mean_velocity(image) == pytest.approx(-ss.mean_velocity(runs[0]), rel=1e-9)
 
 

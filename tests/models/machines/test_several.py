@@ -302,7 +302,7 @@ def test_a_file_of_an_unknown_format_or_layout_is_refused_with_what_to_do(place,
 @each_row(
     "analysis",
     [
-        ss.energy, ss.motion, ss.mean_velocity, ss.spectrum, ss.plot.phase,
+        ss.energy, ss.motion, ss.mean_velocity, ss.dynamics.spectrum, ss.plot.phase,
         threshold_table, velocity_range, period_number, shares, lambda run: run.steadiness,
         lambda run: ss.periodic_orbit(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), guess=run),
     ],

@@ -141,7 +141,7 @@ def test_identical_modules_in_phase_move_as_one():
 
 def test_modules_on_a_rigid_link_are_one_robot_with_a_smaller_drive():
     """M2h: phases 0 and 2 are one drive of amplitude A cos 1, and the two feet of one body rest and break away together."""
-    run = plain(problems.chain(0.0, 2.0, link=ss.Rigid()), 8)
+    run = plain(problems.chain(0.0, 2.0, link=ss.machines.Rigid()), 8)
     alone = plain(problems.module(amplitude=6e-4 * math.cos(1.0)), 8)
     assert last_period(run) == pytest.approx([0.000217301001732] * 2, rel=1e-11)
     assert np.diff(alone.strobe_x)[-1] / alone.period_time == pytest.approx(0.000217301001732, rel=1e-11)

@@ -70,9 +70,9 @@ class Slipping:
 def _laws() -> dict[str, Any]:
     found = {name: kind.example() for name, kind in LAWS.items() if adapted(kind.example()).compiles}
     found["brittle"] = ss.Dahl(0.15, 0.21, sigma0=4e5, exponent=0.6)
-    found["slip_law"] = ss.RateState(mu0=0.18, a=0.01, b=0.02, Dc=2e-6, v0=1e-3, evolution="slip")
+    found["slip_law"] = ss.friction.RateState(mu0=0.18, a=0.01, b=0.02, Dc=2e-6, v0=1e-3, evolution="slip")
     found["dry_and_oil"] = ss.Stribeck.example() + ss.Viscous.example()
-    found["bristle_and_oil"] = ss.GMS.example() + ss.Viscous.example()
+    found["bristle_and_oil"] = ss.friction.GMS.example() + ss.Viscous.example()
     return {**found, "two_bonds": TwoBonds(k=4e5, double=300.0), "slipping": Slipping(k=4e5, reach=3e-7)}
 
 
@@ -230,7 +230,7 @@ def test_no_other_mujoco_joint_is_nearer_and_the_error_is_the_one_stated(name: s
 
 def test_what_cannot_be_written_is_said_in_words() -> None:
     with pytest.raises(ss.InputError, match="solved in plain Python alone"):
-        ss.export_law(ss.Bristle.example(), "c")
+        ss.export_law(ss.friction.Bristle.example(), "c")
     with pytest.raises(ss.InputError, match="did you mean 'c'"):
         ss.export_law(ss.Coulomb.example(), "cc")
     with pytest.raises(ss.InputError, match="speeds is missing"):
@@ -238,7 +238,7 @@ def test_what_cannot_be_written_is_said_in_words() -> None:
     with pytest.raises(ss.InputError, match="arrays"):
         ss.export_law(ss.Coulomb([0.1, 0.2], 0.1), "matlab")
     with pytest.raises(ss.InputError, match="a range above it"):
-        ss.export_law(ss.Karnopp.example(), "mujoco", speeds=(1e-4, 0.1))
+        ss.export_law(ss.friction.Karnopp.example(), "mujoco", speeds=(1e-4, 0.1))
     with pytest.raises(ss.InputError, match="contacts; allowed is one with one contact"):
         ss.export_law(ss.Chain.example(), "c")
     with pytest.raises(ss.InputError, match="name = 'step'"):

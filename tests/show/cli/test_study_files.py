@@ -98,7 +98,7 @@ def test_init_writes_a_file_that_runs_and_explains_every_number(law, call, tmp_p
     assert call("init", "study.toml", "--law", law)[0] == 0
     text = (tmp_path / "study.toml").read_text(encoding="utf-8")
     robot = ss.Robot.from_toml(text)
-    assert type(robot.friction) is ss.LAWS[law] and robot.friction == ss.LAWS[law].example()
+    assert type(robot.friction) is ss.friction.LAWS[law] and robot.friction == ss.friction.LAWS[law].example()
     numbers = [line for line in text.splitlines() if " = " in line and not line.startswith("#")]
     assert all("#" in line for line in numbers)
     code, _, err = call("init", "study.toml")
@@ -106,7 +106,7 @@ def test_init_writes_a_file_that_runs_and_explains_every_number(law, call, tmp_p
 
 
 def test_init_with_every_drive_can_be_read_back(call):
-    for name, kind in ss.DRIVES.items():
+    for name, kind in ss.drives.DRIVES.items():
         code, out, _ = call("init", "--drive", name)
         assert code == 0 and type(ss.Robot.from_toml(out).drive) is kind
     assert "did you mean 'harmonic'?" in call("init", "--drive", "harmonc")[2]
@@ -177,7 +177,7 @@ def test_a_mistake_of_ours_is_still_ours(call, monkeypatch):
     assert code == 1 and "TypeError" in err and "This is an error of stickslip itself, in " in err and ".py, line " in err
 
 
-@each_row("kind", ss.LAWS)
+@each_row("kind", ss.friction.LAWS)
 def test_what_a_study_file_is_told_to_type_for_a_law_makes_one(kind):
     """Each suggestion is a number of an ordinary contact, and all of them together are a law."""
     text = f"{RIG}[robot.friction]\nkind = '{kind}'\n"

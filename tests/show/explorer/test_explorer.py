@@ -59,8 +59,8 @@ def test_every_drive_goes_with_every_law_alone_and_as_a_map(drive, law):
 
 
 def test_every_drive_and_every_compiled_law_of_the_package_is_on_the_page():
-    assert set(ss.DRIVES) <= set(DRIVES)
-    assert set(FRICTION) == {name for name, law in ss.LAWS.items() if not getattr(law, "scalar_only", False)}
+    assert set(ss.drives.DRIVES) <= set(DRIVES)
+    assert set(FRICTION) == {name for name, law in ss.friction.LAWS.items() if not getattr(law, "scalar_only", False)}
 
 
 def test_parameters_stand_within_their_sliders_and_these_within_what_is_allowed():

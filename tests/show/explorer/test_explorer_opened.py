@@ -71,7 +71,7 @@ def test_words_set_numbers():
 @each_row(
     ("change", "said"),
     [
-        ({"friction": ss.Bristle.example()}, "no control for the friction law Bristle; it has"),
+        ({"friction": ss.friction.Bristle.example()}, "no control for the friction law Bristle; it has"),
         ({"friction": ss.Coulomb(0.2, 0.3) + ss.Viscous(0.1, 0.1)}, "no control for the friction law Coulomb + Viscous"),
         ({"drive": ss.MultiHarmonic(omega=200.0, amplitudes=(1e-4, 1e-4, 1e-4), phases=(0.0, 0.1, 0.2))}, "no control for this drive"),
         ({"drive": ss.MultiHarmonic(omega=200.0, amplitudes=(1e-4, 1e-4), phases=(0.3, 0.1))}, "no control for this: drive.phases"),

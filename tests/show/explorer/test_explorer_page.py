@@ -445,7 +445,7 @@ def test_a_robot_driven_by_a_record_moves_as_the_solver_says(page, tmp_path):
     with page.change():
         page.page.locator("#record-drive").click()
     read = ss.read(path)["drive"]
-    drive = ss.Recorded.from_samples(read.time, velocity=read.si, period=1 / 32.7, order=2)
+    drive = ss.drives.Recorded.from_samples(read.time, velocity=read.si, period=1 / 32.7, order=2)
     run = ss.solve(State(law="coulomb").robot().replace(drive=drive), periods=200)
     assert page.velocity() == pytest.approx(ss.mean_velocity(run), rel=1e-3)  # its frequency is found in the samples
 

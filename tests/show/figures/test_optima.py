@@ -44,7 +44,7 @@ def test_the_drive_is_drawn_beside_the_one_that_was_given(best):
 def test_a_waveform_is_drawn_as_a_drive_and_several_numbers_as_lines():
     stopped = {"maximise": "mean_velocity", "progress": lambda tried, most: tried < 100}
     limits = {"stroke": (None, 0.002), "relative_acceleration": (None, 60.0)}
-    wave = ss.optimise(RIG, over={"drive": ss.waveform(pieces=3)}, subject_to=limits, **stopped)
+    wave = ss.optimise(RIG, over={"drive": ss.optimisation.waveform(pieces=3)}, subject_to=limits, **stopped)
     assert wave.plot().get_ylabel() == "relative acceleration (m/s²)"
     assert not wave.cuts
     with pytest.raises(ss.InputError, match='type of="drive"'):
@@ -65,5 +65,5 @@ def test_a_front_has_the_units_of_its_quantities():
     ax = ss.plot.front(made)
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("drive power (µW)", "mean velocity (mm/s)")
     assert ax.lines[0].get_xydata().tolist() == [[100.0, 1.0], [200.0, 2.0]]
-    with pytest.raises(ss.InputError, match=r"ss\.pareto"):
+    with pytest.raises(ss.InputError, match=r"ss\.optimisation\.pareto"):
         ss.plot.front(made.drop_attrs())

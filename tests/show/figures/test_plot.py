@@ -188,7 +188,7 @@ def test_a_stop_to_the_ground_is_not_taken_for_the_contact_of_its_body():
 
 
 def test_a_contact_that_is_lost_has_a_cross():
-    lifted = ss.VerticalVibration(ss.Harmonic(amplitude=6e-4, omega=205.0), amplitude=2e-2, phase=3.44)
+    lifted = ss.drives.VerticalVibration(ss.Harmonic(amplitude=6e-4, omega=205.0), amplitude=2e-2, phase=3.44)
     run = ss.solve(every_machine["Robot"][0].replace(drive=lifted), periods=3)
     assert run.lost_contact
     (mark,) = [line for line in ss.plot.contacts(run).lines if line.get_label() == "contact lost"]
@@ -207,7 +207,7 @@ def test_contacts_of_a_bench_that_nothing_drives_are_shown_over_its_run():
 
 def test_a_spectrum_of_several_is_drawn_one_by_one():
     run = ss.solve(every_machine["a machine of your own"][0], periods=12)
-    lines = ss.spectrum(run)
+    lines = ss.dynamics.spectrum(run)
     with pytest.raises(ss.InputError, match=r"the dimension body; allowed is one; type ss\.plot\.spectrum\(lines\.sel\(body='head'\)\)"):
         ss.plot.spectrum(lines)
     assert ss.plot.spectrum(lines.sel(body="head")).get_yscale() == "log"
@@ -231,10 +231,12 @@ def test_the_balance_of_a_bench_that_nothing_drives_is_one_bar():
 
 
 def test_a_bar_of_sensitivity_is_the_relative_derivative():
-    found = ss.sensitivity(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb"), wrt=["drive.amplitude", "friction.mu_plus"])
+    found = ss.dynamics.sensitivity(
+        ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb"), wrt=["drive.amplitude", "friction.mu_plus"]
+    )
     bars = {round(bar.get_y() + 0.5 * bar.get_height()): bar.get_width() for bar in found.plot().patches}
     assert [bars[0], bars[1]] == pytest.approx(list(found.relative), rel=1e-12) and bars[0] > 0 > bars[1]
-    rest = ss.sensitivity(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=1e-4, law="coulomb"), wrt=["drive.amplitude"])
+    rest = ss.dynamics.sensitivity(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=1e-4, law="coulomb"), wrt=["drive.amplitude"])
     with pytest.raises(ss.InputError, match="no number has a relative derivative"):
         rest.plot()
 

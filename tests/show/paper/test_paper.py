@@ -374,7 +374,7 @@ def test_what_the_body_does_to_the_tip_is_what_the_time_domain_says(result):
     from stickslip.models.drives.oscillator import modal_response
     from stickslip.show.paper.beam import Beam
 
-    beam, e = Beam(ss.PiezoBeam(modes=1)), EXPERIMENTS[0]
+    beam, e = Beam(ss.drives.PiezoBeam(modes=1)), EXPERIMENTS[0]
     run = ss.solve(ss.presets.piezo_rig(tilt_deg=e.tilt_deg, amplitude=e.amplitude), periods=60, rtol=1e-8)
     T, start = run.period_time, float(run.strobe_times[-2])
     n = 2048

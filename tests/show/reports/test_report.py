@@ -213,7 +213,7 @@ def test_the_command_takes_a_preset_a_saved_run_a_folder_and_a_file(run, tmp_pat
     monkeypatch.chdir(tmp_path)
     run.save("run.nc")
     ss.sweep(ss.presets.coulomb_robot, alpha_plus=[0.4, 0.5, 0.6], alpha_minus=0.9, out="study")
-    ss.export("study", "study.nc")
+    ss.studies.export("study", "study.nc")
     for words in (["piezo_rig", "tilt_deg=1.7", "amplitude=5e-4", "law=coulomb", "periods=20"], ["run.nc"], ["study"], ["study.nc"]):
         assert main(["report", *words, "--out", "page.html", "--json"]) == 0
         told = json.loads(capsys.readouterr().out)
@@ -236,7 +236,7 @@ def test_a_study_of_a_robot_keeps_the_robot_and_its_report_shows_it_and_lets_it_
     robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.5e-4, law="coulomb", incline="gravity")
     axes = {"drive.omega": [180.0, 220.0], "drive.amplitude": 5e-4}
     grids = [ss.sweep(robot, **axes), ss.sweep(robot, **axes, out="study")]
-    ss.export("study", "study.nc")
+    ss.studies.export("study", "study.nc")
     for grid in (*grids, ss.open_study("study.nc"), ss.sweep(robot, **axes, out="study", resume=True)):
         assert ss.Robot.from_toml(grid.attrs["robot"]) == robot
         numbers = json.loads(grid.attrs["numbers"])
@@ -342,7 +342,7 @@ def test_the_moving_picture_of_a_machine_has_its_bodies_contacts_and_stops(machi
 def test_a_body_that_flies_is_lifted_in_the_moving_picture():
     run = ss.solve(ss.presets.conveyor(throw_index=2.5), periods=40)
     (body,) = moments(run)["bodies"]
-    lift, aloft = np.array(body["lift"]), ss.hops(run)
+    lift, aloft = np.array(body["lift"]), ss.analysis.hops(run)
     # 480 instants of a period: a parabola is missed at its top by the square of half the step over that of half the flight
     assert lift.max() == pytest.approx(1e3 * aloft.height, rel=(0.5 / 480 / (0.5 * aloft.fraction)) ** 2 + 1e-5)
     assert lift.min() == 0.0 and (lift > 0).mean() == pytest.approx(aloft.fraction, abs=2 / 480)

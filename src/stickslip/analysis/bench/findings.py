@@ -227,7 +227,7 @@ class Benches(_Tabled):
     Examples
     --------
     >>> import stickslip as ss
-    >>> print(ss.bench([ss.Coulomb, ss.Tabulated], experiments=["steady"]).table)
+    >>> print(ss.bench([ss.Coulomb, ss.friction.Tabulated], experiments=["steady"]).table)
     law                           Coulomb  Tabulated
     static or slow, forwards [N]  0.18     0.18
     static or slow, backwards [N] 0.24     0.24

@@ -2,5 +2,7 @@
 
 from stickslip.analysis.law_claims.law_claims import check_law
 from stickslip.analysis.law_claims.reports import Claim, LawReport
+from stickslip.basics.lazy_names import listing
 
 __all__ = ["Claim", "LawReport", "check_law"]
+__dir__ = listing(__all__)

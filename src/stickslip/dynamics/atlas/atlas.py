@@ -398,8 +398,9 @@ def atlas_time(
     Examples
     --------
     >>> import stickslip as ss
-    >>> told = ss.atlas_time(ss.presets.piezo_rig, over={"amplitude": (3e-4, 9e-4), "mu0": (0.1, 0.3)}, tilt_deg=1.7, law="coulomb")
-    >>> 0 < told.grid < 60
+    >>> over = {"amplitude": (3e-4, 9e-4), "mu0": (0.1, 0.3)}
+    >>> time = ss.dynamics.atlas_time(ss.presets.piezo_rig, over=over, tilt_deg=1.7, law="coulomb")
+    >>> 0 < time.grid < 60
     True
     """
     plane, look = _planned(

@@ -77,7 +77,7 @@ class EdgeState(Drawn):
     --------
     >>> import stickslip as ss
     >>> cubic = ss.SwitchingFlow.of_map(lambda y, n: (n.r * y[0] - y[0] ** 3 + n.h,), {"r": 1.5, "h": 0.05}, ("x",))
-    >>> edge = ss.edge_state(cubic, {"x": -1.0}, {"x": 1.0})
+    >>> edge = ss.dynamics.edge_state(cubic, {"x": -1.0}, {"x": 1.0})
     >>> edge.kind, round(float(edge.state[0]), 6), [round(float(m), 6) for m in edge.multipliers]  # a root of h + (r - 1) x = x^3
     ('repeller', -0.102131, [1.468708])
     """
@@ -199,7 +199,7 @@ def edge_state(
     >>> import stickslip as ss
     >>> duffing = lambda t, y, n: (y[1], y[0] - y[0] ** 3 - n.d * y[1] + n.F * ss.maths.cos(t))
     >>> flow = ss.SwitchingFlow({0: duffing}, {}, 2 * ss.maths.pi, {"d": 0.5, "F": 0.1}, ("x", "v"))
-    >>> edge = ss.edge_state(flow, {"x": -1.0}, {"x": 1.0})
+    >>> edge = ss.dynamics.edge_state(flow, {"x": -1.0}, {"x": 1.0})
     >>> edge.kind, edge.period, bool(edge.multipliers[0] > 1 > edge.multipliers[1])
     ('saddle', 1, True)
     """

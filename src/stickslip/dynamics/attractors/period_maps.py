@@ -93,7 +93,7 @@ def chaos_map(
     Examples
     --------
     >>> import stickslip as ss
-    >>> m = ss.chaos_map(ss.presets.piezo_rig, mu0=[0.04, 0.05], amplitude=[4e-4, 6e-4], tilt_deg=1.7, settle=200, periods=40)
+    >>> m = ss.dynamics.chaos_map(ss.presets.piezo_rig, mu0=[0.04, 0.05], amplitude=[4e-4, 6e-4], tilt_deg=1.7, settle=200, periods=40)
     >>> m.period.values.tolist(), (m.exponent > 0.1).values.tolist()  # chaos at mu0 = .05, A = 0.4 mm
     ([[1, 2], [0, 1]], [[False, False], [True, False]])
     """

@@ -63,7 +63,7 @@ class Curve(Drawn):
     >>> import stickslip as ss
     >>> rig = dict(tilt_deg=1.7, mu0=0.18, law="coulomb")
     >>> branch = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=3.6e-4, stop=3.8e-4, step=0.2, **rig)
-    >>> curve = ss.special_curve(branch, branch.special[0], "mu0", stop=0.19, step=0.2)  # alpha_minus = 1: A grows as mu_minus
+    >>> curve = ss.dynamics.special_curve(branch, branch.special[0], "mu0", stop=0.19, step=0.2)  # alpha_minus = 1: A grows as mu_minus
     >>> curve.parameters, round(float(curve.values[-1, 0] / curve.values[0, 0]), 4)
     (('amplitude', 'mu0'), 1.0...)
     """
@@ -148,7 +148,7 @@ def special_curve(
     --------
     >>> import stickslip as ss
     >>> b = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=5e-4, stop=6e-4, tilt_deg=1.7, mu0=0.18, law="coulomb")
-    >>> curve = ss.special_curve(b, b.special[0], "mu0", stop=0.2)
+    >>> curve = ss.dynamics.special_curve(b, b.special[0], "mu0", stop=0.2)
     >>> curve.kind, bool(curve.values[-1, 0] > curve.values[0, 0])  # more friction, more amplitude
     ('type-border', True)
 
@@ -156,13 +156,13 @@ def special_curve(
 
     >>> cubic = ss.SwitchingFlow.of_map(lambda y, n: (n.p + n.q * y[0] - y[0] ** 3,), {"p": -0.5, "q": 1.3}, ("x",))
     >>> b = ss.continuation(cubic, parameter="p", start=-0.5, stop=0.3, guess={"x": -0.9})
-    >>> [(met.kind, met.rounded) for met in ss.special_curve(b, b.special[1], "q", stop=0.5).special]
+    >>> [(met.kind, met.rounded) for met in ss.dynamics.special_curve(b, b.special[1], "q", stop=0.5).special]
     [('cusp', '(0, 1)')]
 
     Where a bristle just does not slip back, in amplitude and friction:
 
     >>> b = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=4.16e-4, stop=4.22e-4, tilt_deg=1.7, step=0.5)
-    >>> curve = ss.special_curve(b, b.special[0], "mu0", stop=0.182, step=0.5)
+    >>> curve = ss.dynamics.special_curve(b, b.special[0], "mu0", stop=0.182, step=0.5)
     >>> curve.kind, bool(curve.values[-1, 0] > curve.values[0, 0]), bool(curve.accuracy[:, 0].max() < 1e-10)
     ('grazing', True, True)
     """

@@ -34,7 +34,7 @@ _WHOLE = 1e-9  # by how much of themselves the numbers of periods of its drives 
 _ASIDE = 1e-3  # how far a number is moved to see whether the equations still come back after the period
 
 
-@described_as("what ss.sensitivity returns; type ss.sensitivity(robot)")
+@described_as("what ss.dynamics.sensitivity returns; type ss.dynamics.sensitivity(robot)")
 @sealed
 class Sensitivity(Drawn):
     """Derivatives of a motion with respect to numbers of its machine.
@@ -59,7 +59,7 @@ class Sensitivity(Drawn):
     Examples
     --------
     >>> import stickslip as ss
-    >>> found = ss.sensitivity(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb"), wrt=["drive.amplitude"])
+    >>> found = ss.dynamics.sensitivity(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb"), wrt=["drive.amplitude"])
     >>> round(found["drive.amplitude"], 6)  # dV/dA: V is 4.3 mm/s at A = .8 mm
     8.895394
     """
@@ -132,13 +132,15 @@ def sensitivity(of: Any, wrt: str | Sequence[str] | None = None) -> Sensitivity:
     >>> import stickslip as ss
     >>> module = ss.Robot(0.06259, 0.00948, ss.Harmonic(amplitude=6e-4, omega=65.4 * np.pi), ss.Coulomb(0.15, 0.21))
     >>> pair = ss.Chain((module, module), link=ss.Spring(1200.0, 0.4), phases=(0.0, 2.0))
-    >>> found = ss.sensitivity(pair, wrt=["phases.1", "modules.*.friction.mu_plus"])
+    >>> found = ss.dynamics.sensitivity(pair, wrt=["phases.1", "modules.*.friction.mu_plus"])
     >>> found.mean_velocity.round(8).tolist()
     [0.00841115, -0.20550469]
     """
     model = of if is_machine(of) else getattr(of, "model", None)
     if model is None:
-        raise InputError("sensitivity", [f"{of!r} is neither a machine nor a periodic orbit nor a run; type ss.sensitivity(robot)"])
+        raise InputError(
+            "sensitivity", [f"{of!r} is neither a machine nor a periodic orbit nor a run; type ss.dynamics.sensitivity(robot)"]
+        )
     if why := not_followed(model):
         raise InputError("sensitivity", [f"perturbations are not propagated along the motion of this {type(model).__name__}, as {why}; "
                                          "take differences of two runs"])  # fmt: skip

@@ -194,7 +194,7 @@ def check_exponents(model: Model, periods: Any, settle: Any) -> None:
     if not is_flow(model):
         refuse_chance(machine_of(model))
         if why := not_followed(model):
-            hint = "type ss.largest_exponents(machine) for the largest exponent, from neighbours"
+            hint = "type ss.dynamics.largest_exponents(machine) for the largest exponent, from neighbours"
             raise InputError("lyapunov", [f"perturbations are not propagated here, as {why}; {hint}"])
     problems = Problems("lyapunov")
     problems.whole("periods", periods, _LEAST, example=2000)
@@ -209,7 +209,7 @@ _FORGOTTEN = (
 
 _TOUCHED = (
     "a switch is touched without being crossed, as by a state that stays at a limit where the equations change: there they have no "
-    "derivative, and the exponents are not known; type ss.largest_exponents(machine) for the largest, from neighbours"
+    "derivative, and the exponents are not known; type ss.dynamics.largest_exponents(machine) for the largest, from neighbours"
 )
 
 

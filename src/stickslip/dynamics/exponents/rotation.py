@@ -88,7 +88,7 @@ def rotation_number(points: Numbers) -> Rotation:
     >>> angles = [0.1]
     >>> for _ in range(1000):
     ...     angles.append(angles[-1] + 0.3 + 0.05 * np.sin(2 * np.pi * angles[-1]))
-    >>> ss.rotation_number(angles).rounded
+    >>> ss.dynamics.rotation_number(angles).rounded
     '0.29713871144207 ± 3e-13'
     """
     x = _checked(points)

@@ -91,7 +91,7 @@ def zero_one_test(series: Numbers, *, frequencies: int = 100) -> ZeroOne:
     ...     for _ in range(n):
     ...         x.append(r * x[-1] * (1 - x[-1]))
     ...     return x[500:]
-    >>> [ss.zero_one_test(logistic(r, 1500)).kind for r in (3.55, 3.97)]  # Gottwald and Melbourne's two cases
+    >>> [ss.dynamics.zero_one_test(logistic(r, 1500)).kind for r in (3.55, 3.97)]  # Gottwald and Melbourne's two cases
     ['regular', 'chaotic']
     """
     x = _checked(series, frequencies)
@@ -109,7 +109,7 @@ def _checked(series: Any, frequencies: Any) -> Array:
     x = floats(series)
     if x.ndim != 1 or len(x) < _LEAST or not np.isfinite(x).all():
         allowed = f"allowed are {_LEAST} or more finite numbers in a row"
-        problems.add(f"series has shape {x.shape}; {allowed}; type ss.zero_one_test(ss.strobe(run).v.values)")
+        problems.add(f"series has shape {x.shape}; {allowed}; type ss.dynamics.zero_one_test(ss.dynamics.strobe(run).v.values)")
     problems.whole("frequencies", frequencies, 10, example=100)
     problems.check()
     return x

@@ -53,7 +53,7 @@ class Certificate:
     Examples
     --------
     >>> import stickslip as ss
-    >>> rest = ss.certify(ss.periodic_orbit(ss.presets.coulomb_robot(1.2, 1.5)))
+    >>> rest = ss.dynamics.certify(ss.periodic_orbit(ss.presets.coulomb_robot(1.2, 1.5)))
     >>> rest.proved, rest.pattern, round(rest.margins["rest within its limits, 0"], 6)
     (True, '0', 0.5)
     """
@@ -114,10 +114,10 @@ def certify(orbit: PeriodicOrbit, digits: int = 20) -> Certificate:
     --------
     >>> import stickslip as ss
     >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb")
-    >>> proof = ss.certify(ss.periodic_orbit(robot))
+    >>> proof = ss.dynamics.certify(ss.periodic_orbit(robot))
     >>> proof.proved, proof.pattern, proof.multiplier.high < 1e-300
     (True, '0+-', True)
-    >>> bool(abs(float(proof.mean_velocity) - ss.periodic_mean_velocity(robot)) < 1e-15)
+    >>> bool(abs(float(proof.mean_velocity) - ss.analysis.periodic_mean_velocity(robot)) < 1e-15)
     True
     """
     _check(orbit, digits)
@@ -132,7 +132,7 @@ def _check(orbit: PeriodicOrbit, digits: Any) -> None:
     problems.whole("digits", digits, 1, example=20, most=10_000)
     problems.check()
     if not isinstance(orbit, PeriodicOrbit):
-        mistake = f"orbit = {type(orbit).__name__}; allowed is a periodic orbit; type ss.certify(ss.periodic_orbit(robot))"
+        mistake = f"orbit = {type(orbit).__name__}; allowed is a periodic orbit; type ss.dynamics.certify(ss.periodic_orbit(robot))"
         raise InputError("certify", [mistake])
     if reason := handles(orbit.model):
         raise InputError("certify", [f"{reason}; a proof needs these formulas"])

@@ -12,7 +12,7 @@ from stickslip.basics.errors import InputError
 from stickslip.models.drives.shifted import begun_at
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.normal_loads import normal_load
-from stickslip.models.tracks import VaryingInTime, grip_of
+from stickslip.models.tracks.tracks import VaryingInTime, grip_of
 
 _SAME = 1e-9  # of the largest value: how well a shifted model must be the model at the later time
 
@@ -31,7 +31,7 @@ class ShiftedTrack(VaryingInTime):
     Examples
     --------
     >>> import stickslip as ss
-    >>> round(ShiftedTrack(ss.VaryingFriction(ss.Level(), depth=0.5), 0.25).grip(0.0, period=1.0), 9)
+    >>> round(ShiftedTrack(ss.tracks.VaryingFriction(ss.Level(), depth=0.5), 0.25).grip(0.0, period=1.0), 9)
     1.5
     """
 

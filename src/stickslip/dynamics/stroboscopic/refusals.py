@@ -61,7 +61,7 @@ def _needs_period(what: str, flow: Any) -> None:
         hint = (
             "its equations need not depend on time: give it the time between two looks, such as SwitchingFlow(..., period=0.5), of which "
             "rests and motions that repeat after a multiple of it are found; for a cycle type "
-            "ss.flow_orbit(flow, state, mode, duration=...), for exponents ss.lyapunov_of_flow(flow, state)"
+            "ss.dynamics.flow_orbit(flow, state, mode, duration=...), for exponents ss.dynamics.lyapunov_of_flow(flow, state)"
         )
         raise InputError(what, [f"SwitchingFlow has no period, so it has no strobe; allowed are flows with a period; {hint}"])
 

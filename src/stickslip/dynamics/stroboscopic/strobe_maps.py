@@ -321,8 +321,8 @@ def refuse_chance(machine: MachineAdapter) -> None:
         raise InputError(
             random,
             ["its bonds form again at random places, so no two drive periods are alike and there is no strobe map that orbits, "
-             "exponents or basins could belong to; allowed are deterministic laws, such as ss.GMS or ss.LuGre; for this one type "
-             "ss.strobe(ss.solve(robot, periods=400)) and compare several seeds"],
+             "exponents or basins could belong to; allowed are deterministic laws, such as ss.friction.GMS or ss.LuGre; for this one type "
+             "ss.dynamics.strobe(ss.solve(robot, periods=400)) and compare several seeds"],
         )  # fmt: skip
 
 

@@ -8,6 +8,7 @@ each number of which something is known beforehand. Search, profiles, bootstrap 
 are not.
 """
 
+from stickslip.basics.lazy_names import listing
 from stickslip.inverse.identification.comparing import Comparison, compare
 from stickslip.inverse.identification.designing import Design, design
 from stickslip.inverse.identification.fit import Fit
@@ -16,3 +17,4 @@ from stickslip.inverse.identification.ranking import Ranking, prediction_errors,
 from stickslip.inverse.identification.virtual_rig import virtual_rig
 
 __all__ = ["Comparison", "Design", "Fit", "Ranking", "compare", "design", "identify", "prediction_errors", "rank", "virtual_rig"]
+__dir__ = listing(__all__)

@@ -14,6 +14,7 @@ from stickslip.basics.arguments import Law, Model, described_as, explains_argume
 from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible, look, partial_result
+from stickslip.basics.lazy_names import typed_name
 from stickslip.basics.notebook_display import Drawn, Text
 from stickslip.basics.presenting import presenter
 from stickslip.basics.progress import Reported, reporting
@@ -256,7 +257,7 @@ def _with_law(robot: Any, law: Any, problems: Problems) -> Any:
     if law.lower() in LAWS:
         problems.add(
             f"laws names {law!r}, whose numbers the robot (with {own}) does not have; "
-            f"give the law itself, with its numbers: laws=[ss.{LAWS[law.lower()].__name__}(...)] in Python"
+            f"give the law itself, with its numbers: laws=[{typed_name(LAWS[law.lower()].__name__)}(...)] in Python"
         )
     else:
         problems.add(f"laws names {law!r}; {did_you_mean(law, LAWS)}")

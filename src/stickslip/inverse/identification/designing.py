@@ -66,7 +66,7 @@ class PlannedExperiment:
         return " + ".join(in_words(chosen, self.units) for chosen in self.settings)
 
 
-@described_as("what ss.design returns; type ss.design(...)")
+@described_as("what ss.identification.design returns; type ss.identification.design(...)")
 @sealed
 @dataclass(frozen=True, eq=False, repr=False)
 class Design(Drawn):
@@ -182,7 +182,7 @@ def design(
     Examples
     --------
     >>> import stickslip as ss
-    >>> plan = ss.design(ss.presets.piezo_rig, free={"mu0": 0.18, "sigma0": 4e5}, experiments={"amplitude": [4e-4, 8e-4]},
+    >>> plan = ss.identification.design(ss.presets.piezo_rig, free={"mu0": 0.18, "sigma0": 4e5}, experiments={"amplitude": [4e-4, 8e-4]},
     ...                  noise=1e-3, samples=200, tilt_deg=1.7)
     >>> plan.determined, plan.undetermined
     (('mu0',), ('sigma0',))

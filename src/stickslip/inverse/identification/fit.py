@@ -303,7 +303,7 @@ class Fit(Face):
         count = len(self.problem.targets)
         if self.problem.targets[0].kind in OVER_MOTION:
             return "add a record with another stroke or speed"
-        return "add a second amplitude" if count == 1 else "add a record with another amplitude or frequency (see ss.design)"
+        return "add a second amplitude" if count == 1 else "add a record with another amplitude or frequency (see ss.identification.design)"
 
     @property
     def warnings(self) -> list[str]:

@@ -239,7 +239,7 @@ def _refuse_chance(model: Any, machine: bool) -> None:
     random = next((law.name for law in laws if law.random), None)
     if random is not None:
         why = "its bonds form again at random places, so that a record cannot be compared with one run of it"
-        raise InputError("identify", [f"{random} cannot be fitted: {why}; fit a law without chance, such as ss.GMS or ss.LuGre"])
+        raise InputError("identify", [f"{random} cannot be fitted: {why}; fit a law without chance, such as ss.friction.GMS or ss.LuGre"])
 
 
 def _check(records: list[Any], using: str, noise: float | None, starts: int, seed: int) -> None:

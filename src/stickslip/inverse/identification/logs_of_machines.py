@@ -256,7 +256,7 @@ def _check_machine(model: Model, label: str) -> None:
         "identify",
         [f"{label}: an applied force is fitted for one body with one contact; the machine has {parts}; "
          'remove what makes it several (gear_stiffness, backlash), fit its steady motion with using="velocity", '
-         "or, if it moves slowly, its law behind the play: ss.ForceRig(friction=..., backlash=...)"],
+         "or, if it moves slowly, its law behind the play: ss.machines.ForceRig(friction=..., backlash=...)"],
     )  # fmt: skip
 
 

@@ -55,7 +55,7 @@ class Ranked:
     faults: tuple[str, ...] = ()
 
 
-@described_as("what ss.rank returns; type ss.rank([fit, another_fit])")
+@described_as("what ss.identification.rank returns; type ss.identification.rank([fit, another_fit])")
 @sealed
 @dataclass(frozen=True, eq=False, repr=False)
 class Ranking(Drawn):
@@ -141,7 +141,7 @@ def rank(fits: Sequence[Fit] | dict[str, Fit], held_out: dict[str, Sequence[floa
     >>> rec = ss.virtual_rig(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4), noise=1e-4, seed=1)
     >>> both = {law: ss.identify(rec, ss.presets.piezo_rig, free={"mu0": (0.05, 0.2)}, tilt_deg=1.7, amplitude=6e-4, law=law)
     ...         for law in ("coulomb", "lugre")}
-    >>> print(ss.rank(both).verdict)
+    >>> print(ss.identification.rank(both).verdict)
     lugre is supported: ΔAICc to coulomb is ...
     """
     named = dict(fits) if isinstance(fits, dict) else _named(fits)
@@ -202,7 +202,7 @@ def prediction_errors(
     >>> import stickslip as ss
     >>> one, two = (ss.virtual_rig(ss.presets.piezo_rig(1.7, A, law="coulomb"), noise=1e-4, seed=1) for A in (6e-4, 8e-4))
     >>> fit = ss.identify(one, ss.presets.piezo_rig, free={"mu0": (0.1, 0.3)}, tilt_deg=1.7, amplitude=6e-4, law="coulomb")
-    >>> [round(e, 4) for e in ss.prediction_errors(fit, two, tilt_deg=1.7, amplitude=8e-4, law="coulomb")]
+    >>> [round(e, 4) for e in ss.identification.prediction_errors(fit, two, tilt_deg=1.7, amplitude=8e-4, law="coulomb")]
     [0.0001]
     """
     from stickslip.inverse.identification.identify import as_list, problem_of
@@ -214,7 +214,9 @@ def prediction_errors(
     using = fit.problem.targets[0].kind
     transient = any(t.transient for t in fit.problem.targets)
     if not as_list(records):
-        raise InputError("prediction_errors", ["no record is given; type for example ss.prediction_errors(fit, ss.read(path))"])
+        raise InputError(
+            "prediction_errors", ["no record is given; type for example ss.identification.prediction_errors(fit, ss.read(path))"]
+        )
     body = fit.problem.targets[0].body if using in ("velocity", "position", "mean") else None
     names = machine_of(fit.model()).part_names.get("body", ()) if body is not None else ()
     whole = problem_of(
@@ -237,7 +239,9 @@ def _named(fits: Any) -> dict[str, Fit]:
 
 def _check(named: dict[str, Fit]) -> None:
     if len(named) < 2:
-        raise InputError("rank", [f"{len(named)} fits given; allowed are two or more; type ss.rank([fit_of_one_law, fit_of_another])"])
+        raise InputError(
+            "rank", [f"{len(named)} fits given; allowed are two or more; type ss.identification.rank([fit_of_one_law, fit_of_another])"]
+        )
     (one, first), *others = named.items()
     problems = Problems("rank")
     for label, fit in others:

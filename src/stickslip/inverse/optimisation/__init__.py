@@ -1,5 +1,6 @@
 """The best drive and the best machine, and how they depend on their numbers."""
 
+from stickslip.basics.lazy_names import listing
 from stickslip.inverse.optimisation.derivative_columns import derivative
 from stickslip.inverse.optimisation.gradients import Gradient, gradient
 from stickslip.inverse.optimisation.optimise import optimise
@@ -22,3 +23,4 @@ __all__ = [
     "propagate",
     "waveform",
 ]
+__dir__ = listing(__all__)

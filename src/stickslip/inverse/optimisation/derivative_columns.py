@@ -26,7 +26,7 @@ _PART = 512  # machines that are followed together
 
 @explains_arguments
 def derivative(of: Any, by: str, unit: str | None = None) -> Derived:
-    """A derivative as a column of a sweep: ``observe={"dV_dmu": ss.derivative("mean_velocity", "friction.mu_plus")}``.
+    """A derivative as a column of a sweep: ``observe={"dV_dmu": ss.optimisation.derivative("mean_velocity", "friction.mu_plus")}``.
 
     It is exact, from the tangent equations along the steady motion that each machine reaches from rest, as in `gradient`. It is NaN if the
     motion does not repeat or touches a switch. Next to a change of the mode sequence it is the derivative on the machine's side; `gradient`
@@ -55,7 +55,7 @@ def derivative(of: Any, by: str, unit: str | None = None) -> Derived:
     Examples
     --------
     >>> import stickslip as ss
-    >>> slopes = {"dV_dmu": ss.derivative("mean_velocity", "friction.mu_plus")}
+    >>> slopes = {"dV_dmu": ss.optimisation.derivative("mean_velocity", "friction.mu_plus")}
     >>> grid = ss.sweep(ss.presets.piezo_rig, amplitude=[6e-4, 8e-4], tilt_deg=1.7, law="coulomb", observe=slopes)
     >>> grid.dV_dmu.values.round(6).tolist(), grid.dV_dmu.attrs["units"]
     ([-0.054983, -0.089796], 'm/s')
@@ -109,7 +109,9 @@ def _checked(first: Any, at: Coordinates, asked: dict[str, Derived]) -> list[lis
         check_of("derivative", each.of, first)
         moved = directions_of("derivative", first, each.by)
         if exactly(each.of, first, at, direction_parts(moved), 1) is None:
-            reason = f"{getattr(each.of, 'says', each.of)} is not derived over a grid; type ss.gradient(robot, ...) for one machine"
+            reason = (
+                f"{getattr(each.of, 'says', each.of)} is not derived over a grid; type ss.optimisation.gradient(robot, ...) for one machine"
+            )
             raise InputError("derivative", [f"{name}: {reason}"])
         together.setdefault(each.of, []).append(name)
     return list(together.values())

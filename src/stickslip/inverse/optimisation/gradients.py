@@ -108,7 +108,7 @@ def gradient(
     --------
     >>> import stickslip as ss
     >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb")
-    >>> slopes = ss.gradient(robot, "mean_velocity", wrt=["drive.amplitude", "friction.mu_plus"])
+    >>> slopes = ss.optimisation.gradient(robot, "mean_velocity", wrt=["drive.amplitude", "friction.mu_plus"])
     >>> round(slopes["drive.amplitude"], 6), round(slopes["friction.mu_plus"], 6)
     (8.895394, -0.089796)
     """
@@ -199,7 +199,7 @@ def _repeating(period: int) -> int:
         return period
     raise SolveError(
         f"gradient: the motion does not repeat within {PERIODS} drive periods, so that nothing has a derivative; type "
-        "ss.sensitivity(run) for that of a run from its start, or take other numbers"
+        "ss.dynamics.sensitivity(run) for that of a run from its start, or take other numbers"
     )
 
 

@@ -99,7 +99,7 @@ def optimise(
     Examples
     --------
     >>> import stickslip as ss
-    >>> robot = ss.Robot(0.0626, 0.0095, ss.TwoPhase(stroke=0.01, u1=0.1, u2=0.1), ss.Coulomb(0.15, 0.25))
+    >>> robot = ss.Robot(0.0626, 0.0095, ss.drives.TwoPhase(stroke=0.01, u1=0.1, u2=0.1), ss.Coulomb(0.15, 0.25))
     >>> best = ss.optimise(robot, over={"drive.u1": (0.01, 0.8), "drive.u2": (0.01, 0.8)}, maximise="mean_velocity")
     >>> round(best.model.drive.u1, 9), round(best.model.drive.u2, 9), best.active
     (0.8, 0.8, ('drive.u1', 'drive.u2'))

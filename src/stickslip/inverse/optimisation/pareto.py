@@ -70,7 +70,8 @@ def pareto(
     --------
     >>> import stickslip as ss
     >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb")
-    >>> front = ss.pareto(robot, over={"drive.amplitude": (3e-4, 8e-4)}, maximise="mean_velocity", minimise="drive_power", points=3)
+    >>> over = {"drive.amplitude": (3e-4, 8e-4)}
+    >>> front = ss.optimisation.pareto(robot, over=over, maximise="mean_velocity", minimise="drive_power", points=3)
     >>> bool((front.mean_velocity.diff("point") > 0).all()), round(float(front["drive.amplitude"][-1]), 9)
     (True, 0.0008)
     """

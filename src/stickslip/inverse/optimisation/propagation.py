@@ -30,7 +30,7 @@ _TAILS = (0.05, 0.95)  # of its own distribution: where a number is put alone
 _LEVEL, _RESAMPLED = 0.95, 400  # of the intervals of indices
 
 
-@described_as("Sobol indices; type ss.propagate(robot, uncertain=..., indices=True).indices")
+@described_as("Sobol indices; type ss.optimisation.propagate(robot, uncertain=..., indices=True).indices")
 @sealed
 @dataclass(frozen=True, eq=False)
 class Indices(Drawn):
@@ -74,7 +74,7 @@ def _spans(indices: Indices, name: str) -> tuple[str, ...]:
     return tuple(f"{low:z.2f} to {high:z.2f}" for low, high in (indices.first_interval[name], indices.total_interval[name]))
 
 
-@described_as("what ss.propagate returns; type ss.propagate(robot, uncertain=...)")
+@described_as("what ss.optimisation.propagate returns; type ss.optimisation.propagate(robot, uncertain=...)")
 @sealed
 @dataclass(frozen=True, eq=False)
 class Propagated(Drawn):
@@ -220,7 +220,7 @@ def propagate(
     --------
     >>> import stickslip as ss
     >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb")
-    >>> found = ss.propagate(robot, uncertain={"friction.mu_plus": ("normal", 0.15, 0.005)}, of="mean_velocity", samples=256)
+    >>> found = ss.optimisation.propagate(robot, uncertain={"friction.mu_plus": ("normal", 0.15, 0.005)}, of="mean_velocity", samples=256)
     >>> round(found.std / 0.005, 2)  # about the slope with respect to the friction coefficient
     0.09
     """

@@ -11,7 +11,7 @@ from stickslip.inverse.optimisation.constraints import Limit
 from stickslip.models.drives.drive_adapter import drive_of
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.tracks import grip_of
+from stickslip.models.tracks.tracks import grip_of
 
 _POINTS = 32  # of Gauss's formula between two breaks of the drive
 _SPEEDS = (1e-4, 1e-2, 1.0)  # at which friction has to be the same

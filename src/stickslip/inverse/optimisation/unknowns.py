@@ -20,7 +20,7 @@ from stickslip.models.drives.drive_adapter import lacking
 
 _DECADES = 100.0  # positive bounds further apart than this are searched on a logarithmic scale
 _INWARD = 1e-9  # of the way between two bounds: how far within them a number has to be allowed
-_TYPED = 'type for example over={"drive.amplitude": (2e-4, 8e-4)} or over={"drive": ss.waveform(pieces=4)}'
+_TYPED = 'type for example over={"drive.amplitude": (2e-4, 8e-4)} or over={"drive": ss.optimisation.waveform(pieces=4)}'
 
 
 @dataclass(frozen=True)

@@ -88,13 +88,16 @@ def waveform(pieces: int | None = None, fourier: int | None = None, spline: int 
     Examples
     --------
     >>> import stickslip as ss
-    >>> ss.waveform(fourier=3)
+    >>> ss.optimisation.waveform(fourier=3)
     Waveform(kind='fourier', count=3)
     """
     given = {name: value for name, value in (("pieces", pieces), ("fourier", fourier), ("spline", spline)) if value is not None}
     problems = Problems("waveform")
     if len(given) != 1:
-        problems.add(f"{' and '.join(given) or 'nothing'} given; allowed is exactly one of {', '.join(_KINDS)}; type ss.waveform(pieces=4)")
+        problems.add(
+            f"{' and '.join(given) or 'nothing'} given; allowed is exactly one of {', '.join(_KINDS)}; "
+            f"type ss.optimisation.waveform(pieces=4)"
+        )
     for name, value in given.items():
         problems.whole(name, value, _KINDS[name], example=4, most=_MOST)
     problems.check()

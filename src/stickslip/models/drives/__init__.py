@@ -3,6 +3,7 @@
 from typing import Any
 
 from stickslip.basics.contracts import Drive
+from stickslip.basics.lazy_names import listing
 from stickslip.models.drives.bang_bang import BangBang
 from stickslip.models.drives.cantilever import cantilever_eigenvalues as cantilever_eigenvalues
 from stickslip.models.drives.force import ForceSum
@@ -29,3 +30,9 @@ DRIVES = {drive.__name__.lower(): drive for drive in _ALL}
 FORCES: dict[str, Any] = {"harmonic": HarmonicForce, "pulses": Pulses, "recorded": RecordedForce, "sum": ForceSum}
 """The forces on an inner mass by their names in a study file."""
 ForceSum.part_kinds = {"parts": FORCES}
+
+__all__ = [
+    "DRIVES", "FORCES", "BangBang", "ForceSum", "Harmonic", "HarmonicForce", "MultiHarmonic", "Pieces", "PiezoBeam", "Pulses", "Recorded",
+    "RecordedForce", "Reversed", "Sawtooth", "ThreePhase", "Trapezoid", "TwoPhase", "VerticalVibration", "cantilever_eigenvalues",
+]  # fmt: skip
+__dir__ = listing(__all__)

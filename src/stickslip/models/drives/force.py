@@ -78,7 +78,7 @@ class ForceSum(Force):
 
     def _check(self, problems: Problems) -> None:
         if not isinstance(self.parts, tuple) or len(self.parts) < 2:
-            problems.add(f"parts = {self.parts!r}; allowed is a tuple of two forces or more; {_EXAMPLE} + ss.Pulses(1.0, 0.06, 0.3)")
+            problems.add(f"parts = {self.parts!r}; allowed is a tuple of two forces or more; {_EXAMPLE} + ss.drives.Pulses(1.0, 0.06, 0.3)")
             return
         for sentence in not_forces({f"parts[{i}]": part for i, part in enumerate(self.parts)}):
             problems.add(sentence)

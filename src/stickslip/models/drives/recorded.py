@@ -43,7 +43,7 @@ class Recorded(OfPeriod, Remarked, OfCoefficients, FourierDrive):
     sines: tuple[float, ...] = field(metadata=quantity("coefficients of the sines", "m", "b", example=(5e-4, 0.0)))
     notes: tuple[str, ...] | None = None
 
-    _typed: ClassVar[str] = "type for example ss.Recorded.from_samples(t, velocity=v, period=0.03)"
+    _typed: ClassVar[str] = "type for example ss.drives.Recorded.from_samples(t, velocity=v, period=0.03)"
 
     @classmethod
     def from_samples(

@@ -46,7 +46,7 @@ class RecordedForce(Remarked, OfCoefficients, Force):
     sines: tuple[float, ...] = field(metadata=quantity("coefficients of the sines", "N", "b", example=(1.0, 0.0)))
     notes: tuple[str, ...] | None = None
 
-    _typed: ClassVar[str] = "type for example ss.RecordedForce.from_samples(t, force=F, period=0.06)"
+    _typed: ClassVar[str] = "type for example ss.drives.RecordedForce.from_samples(t, force=F, period=0.06)"
 
     def at(self, t: Numeric) -> Any:
         """The force [N]."""

@@ -1,6 +1,7 @@
 """Friction laws: one law, one file. `LAWS` lists the elementary ones by name; `Sum` adds them."""
 
 from stickslip.basics.contracts import Law
+from stickslip.basics.lazy_names import listing
 from stickslip.models.friction.bristle import Bristle
 from stickslip.models.friction.coulomb import Coulomb
 from stickslip.models.friction.coulomb_viscous import CoulombViscous
@@ -25,3 +26,9 @@ _ALL = (
 _KEEPING_THE_CONTRACT: tuple[type[Law], ...] = _ALL  # mypy compares their methods
 #: Every law by its name in lower case.
 LAWS = {law.__name__.lower(): law for law in _ALL}
+
+__all__ = [
+    "GMS", "LAWS", "Bristle", "Coulomb", "CoulombViscous", "Dahl", "DeadBand", "ElastoPlastic", "Karnopp", "LuGre", "RateState",
+    "ResetIntegrator", "Stribeck", "Sum", "Tabulated", "TanhCoulomb", "Viscous",
+]  # fmt: skip
+__dir__ = listing(__all__)

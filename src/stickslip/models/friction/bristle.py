@@ -47,7 +47,7 @@ class Bristle(Law):
     Examples
     --------
     >>> import stickslip as ss
-    >>> law = ss.Bristle(mu_plus=0.15, mu_minus=0.21, sigma0=4e5)
+    >>> law = ss.friction.Bristle(mu_plus=0.15, mu_minus=0.21, sigma0=4e5)
     >>> law.states
     10
     >>> z = (1e-7,) * 10

@@ -29,7 +29,7 @@ class DeadBand(SmoothedCoulomb):
     Examples
     --------
     >>> import stickslip as ss
-    >>> law = ss.DeadBand(mu_plus=0.15, mu_minus=0.21, width=1e-3)
+    >>> law = ss.friction.DeadBand(mu_plus=0.15, mu_minus=0.21, width=1e-3)
     >>> [round(law.force(v, z=(), zdot=(), load=1.0), 6) for v in (0.1, 5e-4, 0.0, -0.1)]
     [0.15, 0.075, 0.0, -0.21]
     """

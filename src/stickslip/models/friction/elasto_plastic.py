@@ -60,7 +60,7 @@ class ElastoPlastic(Fading, Bristles):
     Examples
     --------
     >>> import stickslip as ss
-    >>> law = ss.ElastoPlastic(0.15, 0.21, 0.18, 0.24, sigma0=4e5, sigma1=100.0, sigma2=0.04, v_s=2e-3, z_ba=1.5e-7)
+    >>> law = ss.friction.ElastoPlastic(0.15, 0.21, 0.18, 0.24, sigma0=4e5, sigma1=100.0, sigma2=0.04, v_s=2e-3, z_ba=1.5e-7)
     >>> law.rate(v=1e-3, z=1e-7, load=0.7)
     0.001
     >>> abs(law.rate(v=1.0, z=0.15 * 0.7 / 4e5, load=0.7)) < 1e-12

@@ -67,7 +67,7 @@ class GMS(Fading, Bristles):
     Examples
     --------
     >>> import stickslip as ss
-    >>> law = ss.GMS(0.15, 0.21, 0.18, 0.24, sigma0=4e5, v_s=2e-3, attraction=100.0)
+    >>> law = ss.friction.GMS(0.15, 0.21, 0.18, 0.24, sigma0=4e5, v_s=2e-3, attraction=100.0)
     >>> law.states, law.modes
     (4, 4)
     >>> law.rate(v=1e-3, z=(0.0, 0.0, 0.0, 0.0), load=0.7, mode=(0, 0, 0, 0))

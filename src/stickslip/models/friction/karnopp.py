@@ -39,7 +39,7 @@ class Karnopp(Approximation, TwoSided):
     Examples
     --------
     >>> import stickslip as ss
-    >>> law = ss.Karnopp(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24, width=1e-3)
+    >>> law = ss.friction.Karnopp(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24, width=1e-3)
     >>> [law.force(0.0, z=(), zdot=(), load=1.0, applied=applied) for applied in (0.1, 0.3, -0.3)]
     [0.1, 0.18, -0.24]
     """

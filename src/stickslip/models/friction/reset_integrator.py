@@ -41,7 +41,7 @@ class ResetIntegrator(Bristles):
     Examples
     --------
     >>> import stickslip as ss
-    >>> law = ss.ResetIntegrator(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24, sigma0=4e5, sigma1=100.0)
+    >>> law = ss.friction.ResetIntegrator(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24, sigma0=4e5, sigma1=100.0)
     >>> edge = 0.15 * 0.7 / 4e5
     >>> [round(law.force(v=1e-6, z=edge, zdot=0.0, load=0.7, mode=(side,)) / 0.7, 9) for side in (0, 1)]
     [0.18, 0.15]

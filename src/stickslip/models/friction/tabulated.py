@@ -42,7 +42,7 @@ class Tabulated(Law):
     Examples
     --------
     >>> import stickslip as ss
-    >>> law = ss.Tabulated(speed=(0.0, 1e-3, 1e-2, 0.1), mu_plus=(0.18, 0.16, 0.15, 0.17), mu_minus=(0.24, 0.22, 0.21, 0.23))
+    >>> law = ss.friction.Tabulated(speed=(0.0, 1e-3, 1e-2, 0.1), mu_plus=(0.18, 0.16, 0.15, 0.17), mu_minus=(0.24, 0.22, 0.21, 0.23))
     >>> [round(law.sliding(v, load=10.0), 9) for v in (1e-3, -1e-2, 5.0)]
     [1.6, -2.1, 1.7]
     >>> law.breakaway(load=10.0)

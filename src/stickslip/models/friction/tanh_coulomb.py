@@ -29,7 +29,7 @@ class TanhCoulomb(SmoothedCoulomb):
     Examples
     --------
     >>> import stickslip as ss
-    >>> law = ss.TanhCoulomb(mu_plus=0.15, mu_minus=0.21, width=1e-3)
+    >>> law = ss.friction.TanhCoulomb(mu_plus=0.15, mu_minus=0.21, width=1e-3)
     >>> [round(law.force(v, z=(), zdot=(), load=1.0), 6) for v in (0.1, 1e-3, 0.0, -0.1)]
     [0.15, 0.114239, 0.0, -0.21]
     """

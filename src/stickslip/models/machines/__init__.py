@@ -6,6 +6,9 @@
 from typing import Any
 
 from stickslip.basics.contracts import OneContact
+from stickslip.basics.lazy_names import listing
+from stickslip.models.flow_contacts import FlowContact
+from stickslip.models.force_rig import ForceRig
 from stickslip.models.machines.block_on_belt import BlockOnBelt
 from stickslip.models.machines.bodies import Bodies
 from stickslip.models.machines.chain import Chain
@@ -19,9 +22,10 @@ from stickslip.models.machines.pid import PID
 from stickslip.models.machines.pulled_mass import PulledMass
 
 __all__ = [
-    "MECHANISMS", "PID", "BlockOnBelt", "Bodies", "Body", "Chain", "Contact", "Forced", "ForcedOscillator", "Gait", "Joint", "Link",
-    "Machine", "MovingTrack", "PulledMass", "Rigid", "Spring", "Stop",
+    "MECHANISMS", "PID", "BlockOnBelt", "Bodies", "Body", "Chain", "Contact", "FlowContact", "ForceRig", "Forced", "ForcedOscillator",
+    "Gait", "Joint", "Link", "Machine", "MovingTrack", "PulledMass", "Rigid", "Spring", "Stop",
 ]  # fmt: skip
+__dir__ = listing(__all__)
 
 _OF_ONE_CONTACT = (BlockOnBelt, ForcedOscillator, PulledMass)
 _KEEPING_THE_CONTRACT: tuple[type[OneContact], ...] = _OF_ONE_CONTACT  # mypy compares their methods

@@ -52,8 +52,8 @@ class Chain(Machine):
 
     A worm of three masses, one of which always sticks: it advances by three amplitudes per period.
 
-    >>> wave = ss.Gait(ss.Harmonic(amplitude=2e-3, frequency=2.0), lag=2 * pi / 3)
-    >>> worm = ss.Chain(ss.Bodies(mass=0.05, count=3, friction=ss.Coulomb(mu_plus=0.1, mu_minus=0.3)), link=wave)
+    >>> wave = ss.machines.Gait(ss.Harmonic(amplitude=2e-3, frequency=2.0), lag=2 * pi / 3)
+    >>> worm = ss.Chain(ss.machines.Bodies(mass=0.05, count=3, friction=ss.Coulomb(mu_plus=0.1, mu_minus=0.3)), link=wave)
     >>> round(ss.mean_velocity(ss.solve(worm, periods=20)), 12)
     0.012
     """
@@ -183,7 +183,7 @@ def _check_modules(modules: Any, problems: Problems) -> None:
         given = "[...]" if listed else repr(modules)
         problems.add(
             f"modules = {given}; {listed}allowed is a tuple of two robots or more (an array of numbers in one robot means cases), or "
-            "ss.Bodies; type modules=(head, tail)"
+            "ss.machines.Bodies; type modules=(head, tail)"
         )
         return
     problems.mistakes += [

@@ -48,7 +48,7 @@ class Forced(Frozen):
     Examples
     --------
     >>> import stickslip as ss
-    >>> drive = ss.Forced(ss.HarmonicForce(amplitude=1.5, omega=104.7), stiffness=256.0, damping=0.5)
+    >>> drive = ss.machines.Forced(ss.HarmonicForce(amplitude=1.5, omega=104.7), stiffness=256.0, damping=0.5)
     >>> robot = ss.Robot(body_mass=0.193, inner_mass=0.074, drive=drive, friction=ss.Coulomb(mu_plus=0.2, mu_minus=0.3))
     >>> run = ss.solve(robot, periods=40)
     >>> run.x.shape == run.t.shape, list(run.bodies)

@@ -89,7 +89,7 @@ class Joint(TakesInput, Machine):
 
     >>> import stickslip as ss
     >>> law = ss.Coulomb(0.02, 0.02, f_plus=0.03, f_minus=0.03)
-    >>> joint = ss.Joint(inertia=0.01, friction=law, control=ss.PID(kp=2.0, ki=0.0, kd=0.1, target=0.5))
+    >>> joint = ss.Joint(inertia=0.01, friction=law, control=ss.machines.PID(kp=2.0, ki=0.0, kd=0.1, target=0.5))
     >>> run = ss.solve(joint, duration=5.0)
     >>> bool(0.0 < abs(0.5 - run.bodies["joint"].x[-1]) <= 0.03 / 2.0), float(run.bodies["joint"].v[-1])
     (True, 0.0)
@@ -145,10 +145,10 @@ class Joint(TakesInput, Machine):
         if self.control is None and self.torque is None:
             problems.add(
                 "torque and control are both missing; allowed is one of them, or both; type torque=0.1 [N m], or "
-                "control=ss.PID(kp=2.0, ki=1.0, kd=0.1, target=0.5)"
+                "control=ss.machines.PID(kp=2.0, ki=1.0, kd=0.1, target=0.5)"
             )
         if self.control is not None and not isinstance(self.control, PID):
-            problems.add(f"control = {self.control!r}; allowed is a PID; type control=ss.PID(kp=2.0, ki=1.0, kd=0.1, target=0.5)")
+            problems.add(f"control = {self.control!r}; allowed is a PID; type control=ss.machines.PID(kp=2.0, ki=1.0, kd=0.1, target=0.5)")
         if self.gear_stiffness is None and not everywhere(self.gear_damping == 0.0) and everywhere(self.backlash == 0.0):
             problems.add("gear_damping is that of an elastic gear; type gear_stiffness=1e4 [N m/rad] too, or leave it out")
         if not problems.mistakes:

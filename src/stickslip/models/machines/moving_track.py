@@ -59,7 +59,7 @@ class MovingTrack(Machine):
     A sawtooth of 5 micrometres carries the slider and slips back under it.
 
     >>> import stickslip as ss
-    >>> saw = ss.Sawtooth(stroke=5e-6, rise=0.95e-3, fall=0.05e-3)
+    >>> saw = ss.drives.Sawtooth(stroke=5e-6, rise=0.95e-3, fall=0.05e-3)
     >>> stage = MovingTrack(mass=0.02, along=saw, friction=ss.Coulomb(mu_plus=0.1, mu_minus=0.1), load=20.0)
     >>> round(ss.mean_velocity(ss.solve(stage, periods=20)) * saw.period, 15)
     5.013157895e-06
@@ -90,7 +90,9 @@ class MovingTrack(Machine):
             if drive is None and name == "across":
                 continue
             if lacking(drive):
-                example = "ss.Sawtooth(stroke=5e-6, rise=0.95e-3, fall=0.05e-3)" if name == "along" else "ss.Harmonic(1e-4, omega=300.0)"
+                example = (
+                    "ss.drives.Sawtooth(stroke=5e-6, rise=0.95e-3, fall=0.05e-3)" if name == "along" else "ss.Harmonic(1e-4, omega=300.0)"
+                )
                 problems.add(f"{name} = {drive!r}; allowed is a drive, an object with {', '.join(NEEDS)}; type {name}={example}")
         check_law(self.friction, problems)
         if problems.mistakes:
@@ -107,7 +109,7 @@ class MovingTrack(Machine):
         if len(drive_of(self.across).jumps):
             problems.add(
                 "across jumps in velocity, which needs an infinite load; allowed is a motion without jumps such as ss.Harmonic, or "
-                "ss.Pieces, whose acceleration jumps"
+                "ss.drives.Pieces, whose acceleration jumps"
             )
 
     @property

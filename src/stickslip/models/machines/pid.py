@@ -61,7 +61,8 @@ class PID(TakesInput):
     Examples
     --------
     >>> import stickslip as ss
-    >>> joint = ss.Joint(inertia=0.01, friction=ss.Coulomb(0.02, 0.02), control=ss.PID(kp=2.0, ki=1.0, kd=0.1, target=0.5, sample=1e-3))
+    >>> control = ss.machines.PID(kp=2.0, ki=1.0, kd=0.1, target=0.5, sample=1e-3)
+    >>> joint = ss.Joint(inertia=0.01, friction=ss.Coulomb(0.02, 0.02), control=control)
     >>> joint.mechanics.controllers.states
     (('torque', 'integral', 'error'),)
     """

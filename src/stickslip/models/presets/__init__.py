@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+from stickslip.basics.lazy_names import listing
 from stickslip.basics.quantities import PAPER_AMPLITUDES
 from stickslip.models.presets.capsules import capsubot, capsule
 from stickslip.models.presets.chains import two_modules, worm
@@ -10,7 +11,6 @@ from stickslip.models.presets.robots import coulomb_robot, piezo_beam_rig, piezo
 from stickslip.models.presets.stages_and_conveyors import conveyor, stick_slip_stage
 
 __all__ = [
-    "DIMENSIONLESS",
     "PAPER_AMPLITUDES",
     "PRESETS",
     "capsubot",
@@ -24,6 +24,7 @@ __all__ = [
     "two_modules",
     "worm",
 ]
+__dir__ = listing(__all__)
 
 _ALL = (piezo_rig, piezo_beam_rig, coulomb_robot, two_modules, worm, capsubot, capsule, servo, stick_slip_stage, conveyor)
 #: Every preset by its name.

@@ -15,7 +15,8 @@ from stickslip.models.drives import Harmonic, PiezoBeam
 from stickslip.models.friction import Coulomb, LuGre
 from stickslip.models.friction.coefficients import F0, MU0, SIGMA0, SIGMA1, SIGMA2, V_S
 from stickslip.models.robot import Robot
-from stickslip.models.tracks import Incline, Level, fold
+from stickslip.models.tracks import Incline, Level
+from stickslip.models.tracks.tracks import fold
 
 #: The laws of a rig, and the arguments that each has no use for.
 LAWS_HERE = {"lugre": (), "coulomb": ("f0", "sigma0", "sigma1", "sigma2", "v_s"), "coulomb-static": ("sigma0", "sigma1", "sigma2", "v_s")}
@@ -207,7 +208,9 @@ def piezo_beam_rig(
 
 def _beam(beam: Any) -> PiezoBeam:
     if beam is not None and not isinstance(beam, PiezoBeam):
-        raise InputError("piezo_beam_rig", [f"beam = {beam!r}; allowed is a PiezoBeam; type for example beam=ss.PiezoBeam(length=0.1)"])
+        raise InputError(
+            "piezo_beam_rig", [f"beam = {beam!r}; allowed is a PiezoBeam; type for example beam=ss.drives.PiezoBeam(length=0.1)"]
+        )
     return PiezoBeam() if beam is None else beam
 
 

@@ -68,7 +68,7 @@ def stick_slip_stage(
     Examples
     --------
     >>> import stickslip as ss
-    >>> print(f"{ss.step_per_cycle(ss.solve(ss.presets.stick_slip_stage(), periods=10)) * 1e6:.6f} micrometres")
+    >>> print(f"{ss.analysis.step_per_cycle(ss.solve(ss.presets.stick_slip_stage(), periods=10)) * 1e6:.6f} micrometres")
     5.013158 micrometres
     """
     along = Sawtooth(stroke=stroke, rise=rise, fall=fall)

@@ -1,27 +1,11 @@
-"""Tracks: level, inclined or moving friction profiles."""
+"""Tracks: level, inclined, with friction that varies in time or along the way.
 
-from stickslip.models.tracks.tracks import (
-    TRACKS,
-    Incline,
-    Level,
-    VaryingFriction,
-    VaryingInTime,
-    fold,
-    folded_tilt,
-    grip_of,
-    law_was_replaced,
-    without_its_law,
-)
+`tracks` has what is common to them: `fold` and `folded_tilt` make one incline of several angles, `grip_of` is the factor of the friction.
+"""
 
-__all__ = [
-    "TRACKS",
-    "Incline",
-    "Level",
-    "VaryingFriction",
-    "VaryingInTime",
-    "fold",
-    "folded_tilt",
-    "grip_of",
-    "law_was_replaced",
-    "without_its_law",
-]
+from stickslip.basics.lazy_names import listing
+from stickslip.models.tracks.profiles import FrictionPatches, FrictionProfile, FrictionWave
+from stickslip.models.tracks.tracks import TRACKS, Incline, Level, VaryingFriction
+
+__all__ = ["TRACKS", "FrictionPatches", "FrictionProfile", "FrictionWave", "Incline", "Level", "VaryingFriction"]
+__dir__ = listing(__all__)

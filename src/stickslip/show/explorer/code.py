@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
+from stickslip.basics.lazy_names import typed_name
 from stickslip.show.explorer.requests import State
 
 
@@ -21,10 +22,10 @@ def spelled(record: Any, depth: int = 0) -> str:
         return repr(record)
     given = [(f.name, getattr(record, f.name)) for f in dataclasses.fields(record) if not _is_default(f, getattr(record, f.name))]
     inner = [f"{name}={spelled(value, depth + 1)}" for name, value in given]
-    whole = f"ss.{type(record).__name__}({', '.join(inner)})"
+    whole = f"{typed_name(type(record).__name__)}({', '.join(inner)})"
     if depth or len(whole) < 80:
         return whole
-    return f"ss.{type(record).__name__}(\n" + "".join(f"    {line},\n" for line in inner) + ")"
+    return f"{typed_name(type(record).__name__)}(\n" + "".join(f"    {line},\n" for line in inner) + ")"
 
 
 def _is_default(field: dataclasses.Field[Any], value: Any) -> bool:

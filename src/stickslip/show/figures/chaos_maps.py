@@ -33,14 +33,14 @@ def chaos_map(grid: Grid, ax: Ax = None, quantity: str = "motion", curves: Any =
     Parameters
     ----------
     grid : xarray.Dataset
-        From `stickslip.chaos_map`.
+        From `stickslip.dynamics.chaos_map`.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
     quantity : str
         "motion": period numbers, and what has no period: chaotic, quasi-periodic, steady, or not settled within the limit.
         "exponent": the largest exponent, orange where neighbouring motions diverge, violet where they converge.
     curves : Curve or list of Curve
-        From `stickslip.special_curve`, in the same two parameters; drawn over the map.
+        From `stickslip.dynamics.special_curve`, in the same two parameters; drawn over the map.
 
     Returns
     -------
@@ -49,12 +49,13 @@ def chaos_map(grid: Grid, ax: Ax = None, quantity: str = "motion", curves: Any =
     Examples
     --------
     >>> import stickslip as ss
-    >>> grid = ss.chaos_map(ss.presets.piezo_rig, amplitude=[4e-4, 6e-4], tilt_deg=[1.7, 2.7], law="coulomb", settle=50, periods=20)
+    >>> over = {"amplitude": [4e-4, 6e-4], "tilt_deg": [1.7, 2.7]}
+    >>> grid = ss.dynamics.chaos_map(ss.presets.piezo_rig, **over, law="coulomb", settle=50, periods=20)
     >>> ss.plot.chaos_map(grid).get_xlabel()
     'tilt of the track $θ$ (degrees)'
     """
     if not {"period", "motion", "exponent", "error"} <= set(getattr(grid, "data_vars", {})):
-        raise InputError("plot", [f"{type(grid).__name__} without periods and exponents; allowed is the Dataset of ss.chaos_map"])
+        raise InputError("plot", [f"{type(grid).__name__} without periods and exponents; allowed is the Dataset of ss.dynamics.chaos_map"])
     if quantity not in ("motion", "exponent"):
         raise InputError("plot", [f"quantity = {quantity!r}; allowed is motion or exponent"])
     ax = axes(ax, height=3.0)
@@ -116,7 +117,7 @@ def _over(curves: Any, ax: Axes, across: tuple[str, float], upward: tuple[str, f
     for curve in curves if isinstance(curves, Iterable) else (curves,):
         if set(getattr(curve, "parameters", ())) != {across[0], upward[0]}:
             both = f"({across[0]}, {upward[0]})"
-            raise InputError("plot", [f"curves: {curve!r} is not a curve in {both}; allowed are those of ss.special_curve"])
+            raise InputError("plot", [f"curves: {curve!r} is not a curve in {both}; allowed are those of ss.dynamics.special_curve"])
         x, y = (curve.values[:, curve.parameters.index(name)] * factor for name, factor in (across, upward))
         ax.plot(x, y, color="white", linewidth=2.0, zorder=3)
         (handles[curve.kind],) = ax.plot(x, y, color="black", linewidth=0.9, zorder=4, label=name_of(curve.kind))

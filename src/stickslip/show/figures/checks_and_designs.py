@@ -78,7 +78,7 @@ def ranking(ranking: Ranking, ax: Ax = None) -> Any:
     Parameters
     ----------
     ranking : Ranking
-        From `stickslip.rank`.
+        From `stickslip.identification.rank`.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
 
@@ -92,7 +92,7 @@ def ranking(ranking: Ranking, ax: Ax = None) -> Any:
     >>> rec = ss.virtual_rig(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4), noise=1e-4, seed=1)
     >>> both = {law: ss.identify(rec, ss.presets.piezo_rig, free={"mu0": (0.05, 0.2)}, tilt_deg=1.7, amplitude=6e-4, law=law)
     ...         for law in ("coulomb", "lugre")}
-    >>> [label.get_text() for label in ss.plot.ranking(ss.rank(both)).get_yticklabels()]
+    >>> [label.get_text() for label in ss.plot.ranking(ss.identification.rank(both)).get_yticklabels()]
     ['coulomb', 'lugre']
     """
     laws = list(reversed(ranking.rows))
@@ -129,7 +129,7 @@ def design(design: Design, ax: Ax = None) -> Any:
     Parameters
     ----------
     design : stickslip.inverse.identification.Design
-        From `stickslip.design`.
+        From `stickslip.identification.design`.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
 
@@ -140,7 +140,7 @@ def design(design: Design, ax: Ax = None) -> Any:
     Examples
     --------
     >>> import stickslip as ss
-    >>> plan = ss.design(ss.presets.piezo_rig, free={"mu0": 0.18, "sigma0": 4e5}, experiments={"amplitude": [4e-4, 8e-4]},
+    >>> plan = ss.identification.design(ss.presets.piezo_rig, free={"mu0": 0.18, "sigma0": 4e5}, experiments={"amplitude": [4e-4, 8e-4]},
     ...                  noise=1e-3, samples=200, tilt_deg=1.7)
     >>> ss.plot.design(plan).get_xlabel()
     'expected error (% of the value)'

@@ -108,7 +108,7 @@ def basins(basins: Basins, ax: Ax = None, edges: Any = ()) -> Any:
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
     edges : EdgeState or list of them, optional
-        From `stickslip.edge_state`; their strobe points are drawn as crosses on the borders.
+        From `stickslip.dynamics.edge_state`; their strobe points are drawn as crosses on the borders.
 
     Returns
     -------
@@ -172,7 +172,7 @@ def _edges_on(edges: Any, names: list[str]) -> list[Any]:
     """Draw edge states that have the coordinates of a map."""
     many = list(edges) if isinstance(edges, (list, tuple)) else [edges]
     if not all(isinstance(edge, EdgeState) and set(names) <= set(edge.names) for edge in many):
-        allowed = f"allowed are edge states with {' and '.join(names)}; type edges=[ss.edge_state(...)]"
+        allowed = f"allowed are edge states with {' and '.join(names)}; type edges=[ss.dynamics.edge_state(...)]"
         raise InputError("plot", [f"edges = {edges!r}; {allowed}"])
     return many
 
@@ -250,7 +250,7 @@ def spectrum(lines: Grid, ax: Ax = None) -> Any:
     Parameters
     ----------
     lines : xarray.Dataset
-        From `stickslip.spectrum`.
+        From `stickslip.dynamics.spectrum`.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
 
@@ -262,11 +262,11 @@ def spectrum(lines: Grid, ax: Ax = None) -> Any:
     --------
     >>> import stickslip as ss
     >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), periods=20)
-    >>> ss.plot.spectrum(ss.spectrum(run)).get_xlabel()
+    >>> ss.plot.spectrum(ss.dynamics.spectrum(run)).get_xlabel()
     'frequency / frequency of the drive'
     """
     if "amplitude" not in getattr(lines, "data_vars", {}):
-        raise InputError("plot", [f"{type(lines).__name__} without an amplitude; allowed is the Dataset of ss.spectrum"])
+        raise InputError("plot", [f"{type(lines).__name__} without an amplitude; allowed is the Dataset of ss.dynamics.spectrum"])
     for dim in set(lines.amplitude.dims) - {"order"}:
         one = lines[dim].values.tolist()[0]
         raise InputError("plot", [f"the spectrum has the dimension {dim}; allowed is one; type ss.plot.spectrum(lines.sel({dim}={one!r}))"])

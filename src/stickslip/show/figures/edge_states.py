@@ -26,7 +26,7 @@ def edge_state(edge: Any, ax: Ax = None) -> Any:
     Parameters
     ----------
     edge : EdgeState
-        From `stickslip.edge_state`.
+        From `stickslip.dynamics.edge_state`.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
 
@@ -38,11 +38,11 @@ def edge_state(edge: Any, ax: Ax = None) -> Any:
     --------
     >>> import stickslip as ss
     >>> cubic = ss.SwitchingFlow.of_map(lambda y, n: (n.r * y[0] - y[0] ** 3 + n.h,), {"r": 1.5, "h": 0.05}, ("x",))
-    >>> ss.plot.edge_state(ss.edge_state(cubic, {"x": -1.0}, {"x": 1.0})).get_ylabel()
+    >>> ss.plot.edge_state(ss.dynamics.edge_state(cubic, {"x": -1.0}, {"x": 1.0})).get_ylabel()
     'x on the strobe'
     """
     if not isinstance(edge, EdgeState):
-        raise InputError("plot", [f"{type(edge).__name__} is no edge state; allowed is what ss.edge_state gives"])
+        raise InputError("plot", [f"{type(edge).__name__} is no edge state; allowed is what ss.dynamics.edge_state gives"])
     attributes = [state_attrs(name, "on the strobe", is_flow(edge.model)) for name in edge.names]
     places = [i for i, name in enumerate(edge.names) if not name.startswith(("mode", "memory"))][:2]
     sizes = [scaled(edge.track[:, i], attributes[i]["units"]) for i in places]

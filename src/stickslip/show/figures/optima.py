@@ -170,7 +170,7 @@ def front(grid: Grid, ax: Ax = None) -> Any:
     Parameters
     ----------
     grid : xarray.Dataset
-        From `stickslip.pareto`.
+        From `stickslip.optimisation.pareto`.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
 
@@ -182,14 +182,15 @@ def front(grid: Grid, ax: Ax = None) -> Any:
     --------
     >>> import stickslip as ss
     >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb")
-    >>> front = ss.pareto(robot, over={"drive.amplitude": (3e-4, 8e-4)}, maximise="mean_velocity", minimise="drive_power", points=3)
+    >>> over = {"drive.amplitude": (3e-4, 8e-4)}
+    >>> front = ss.optimisation.pareto(robot, over=over, maximise="mean_velocity", minimise="drive_power", points=3)
     >>> ax = ss.plot.front(front)
     >>> ax.get_xlabel(), ax.get_ylabel()
     ('drive power (mW)', 'mean velocity (mm/s)')
     """
     names = [getattr(grid, "attrs", {}).get(word) for word in ("minimise", "maximise")]
     if None in names or not set(names) <= set(getattr(grid, "data_vars", {})):
-        raise InputError("plot", [f"{type(grid).__name__} without a front; allowed is the Dataset of ss.pareto"])
+        raise InputError("plot", [f"{type(grid).__name__} without a front; allowed is the Dataset of ss.optimisation.pareto"])
     (right, side), (up, mark) = (scaled(grid[name].values, grid[name].attrs.get("units", "1")) for name in names)
     labels = [f"{str(name).replace('_', ' ')}" for name in names]
     units = [pretty_unit(grid[name].attrs.get("units", "1")) for name in names]

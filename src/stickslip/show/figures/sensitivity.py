@@ -22,7 +22,7 @@ def sensitivity(sensitivity: Sensitivity, ax: Ax = None) -> Any:
     Parameters
     ----------
     sensitivity : Sensitivity
-        From `stickslip.sensitivity`.
+        From `stickslip.dynamics.sensitivity`.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
 
@@ -39,7 +39,7 @@ def sensitivity(sensitivity: Sensitivity, ax: Ax = None) -> Any:
     --------
     >>> import stickslip as ss
     >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb")
-    >>> ax = ss.plot.sensitivity(ss.sensitivity(robot, wrt=["drive.amplitude", "friction.mu_plus"]))
+    >>> ax = ss.plot.sensitivity(ss.dynamics.sensitivity(robot, wrt=["drive.amplitude", "friction.mu_plus"]))
     >>> [label.get_text() for label in ax.get_yticklabels()]
     ['drive.amplitude', 'friction.mu_plus']
     """
@@ -68,7 +68,7 @@ def indices(indices: Indices, ax: Ax = None) -> Any:
     Parameters
     ----------
     indices : Indices
-        The `indices` of a result of `stickslip.propagate` with ``indices=True``.
+        The `indices` of a result of `stickslip.optimisation.propagate` with ``indices=True``.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
 
@@ -81,7 +81,7 @@ def indices(indices: Indices, ax: Ax = None) -> Any:
     >>> import stickslip as ss
     >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb")
     >>> spread = {"friction.mu_plus": (0.15, "3%"), "friction.mu_minus": (0.21, "1%")}
-    >>> ss.plot.indices(ss.propagate(robot, uncertain=spread, samples=64, indices=True).indices).get_xlabel()
+    >>> ss.plot.indices(ss.optimisation.propagate(robot, uncertain=spread, samples=64, indices=True).indices).get_xlabel()
     'fraction of the variance'
     """
     order = sorted(indices.total, key=lambda name: indices.total[name])

@@ -28,7 +28,7 @@ def special_curve(curves: Any, ax: Ax = None) -> Any:
     Parameters
     ----------
     curves : Curve or list of Curve
-        From `stickslip.special_curve`, all in the same two parameters.
+        From `stickslip.dynamics.special_curve`, all in the same two parameters.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
 
@@ -41,13 +41,15 @@ def special_curve(curves: Any, ax: Ax = None) -> Any:
     >>> import stickslip as ss
     >>> rig = dict(tilt_deg=1.7, mu0=0.18, law="coulomb")
     >>> branch = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=3.6e-4, stop=3.8e-4, step=0.2, **rig)
-    >>> ax = ss.plot.special_curve(ss.special_curve(branch, branch.special[0], "mu0", stop=0.19, step=0.2))
+    >>> ax = ss.plot.special_curve(ss.dynamics.special_curve(branch, branch.special[0], "mu0", stop=0.19, step=0.2))
     >>> ax.get_xlabel()
     'amplitude of the inner mass $A$ (µm)'
     """
     several = list(curves) if isinstance(curves, (list, tuple)) else [curves]
     if not several or any(not isinstance(curve, Curve) or curve.parameters != several[0].parameters for curve in several):
-        raise InputError("plot", [f"{curves!r}: allowed are curves in the same two parameters; type for example ss.special_curve(...)"])
+        raise InputError(
+            "plot", [f"{curves!r}: allowed are curves in the same two parameters; type for example ss.dynamics.special_curve(...)"]
+        )
     points = [curve.points for curve in several]
     across, up = several[0].parameters
     sides = {name: scaled([v for each in points for v in each[name].values], points[0][name].attrs["units"]) for name in (across, up)}

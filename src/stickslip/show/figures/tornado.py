@@ -23,7 +23,7 @@ def tornado(propagated: Propagated, ax: Ax = None) -> Any:
     Parameters
     ----------
     propagated : Propagated
-        From `stickslip.propagate`.
+        From `stickslip.optimisation.propagate`.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
 
@@ -36,13 +36,13 @@ def tornado(propagated: Propagated, ax: Ax = None) -> Any:
     >>> import stickslip as ss
     >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb")
     >>> spread = {"friction.mu_plus": (0.15, "3%"), "friction.mu_minus": (0.21, "1%")}
-    >>> ax = ss.plot.tornado(ss.propagate(robot, uncertain=spread, samples=64))
+    >>> ax = ss.plot.tornado(ss.optimisation.propagate(robot, uncertain=spread, samples=64))
     >>> [label.get_text() for label in ax.get_yticklabels()]
     ['friction.mu_minus', 'friction.mu_plus']
     """
     swings = propagated.swings
     if not swings:
-        raise InputError("plot", ["what was propagated has no swings; give what ss.propagate returns"])
+        raise InputError("plot", ["what was propagated has no swings; give what ss.optimisation.propagate returns"])
     order = sorted(swings, key=lambda name: abs(swings[name][1] - swings[name][0]))
     band = [propagated.quantile(q) for q in (0.05, 0.95)]
     factor, letter = scaled([*band, propagated.nominal, *(v for pair in swings.values() for v in pair)], propagated.unit)

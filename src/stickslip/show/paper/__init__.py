@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from stickslip.basics.lazy_names import listing
 from stickslip.show.paper.reproduction import Reproduction, reproduce
 
 __all__ = ["Reproduction", "reproduce"]
+__dir__ = listing(__all__)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from stickslip.engine.latex import aligned, latex, written
 from stickslip.models.nondimensional import dimensionless, ratios
-from stickslip.models.tracks import fold
+from stickslip.models.tracks.tracks import fold
 from stickslip.show.paper.cases import EXPERIMENTS, rig
 from stickslip.show.paper.sentences import texts
 

@@ -35,7 +35,7 @@ class ParameterMap:
     Parameters
     ----------
     grid : xarray.Dataset
-        From `stickslip.chaos_map`, over mu0 and amplitude.
+        From `stickslip.dynamics.chaos_map`, over mu0 and amplitude.
     flips : tuple of float
         Values of mu0 at which the motion of period one doubles its period at the amplitude taken for section 5.3.
     curves : tuple of Curve
@@ -70,7 +70,7 @@ class ParameterMap:
 
     @cached_property
     def chaotic(self) -> Any:
-        """The mask of chaotic motions, by the rule of `stickslip.chaos_map`."""
+        """The mask of chaotic motions, by the rule of `stickslip.dynamics.chaos_map`."""
         return self.grid.motion.values == CHAOTIC
 
     @property

@@ -27,7 +27,7 @@ def composed(flow: SwitchingFlow) -> SwitchingFlow:
     Examples
     --------
     >>> import stickslip as ss
-    >>> belt = ss.FlowContact(slip=lambda t, y: y[1] - 0.1, friction=ss.Coulomb(mu_plus=0.2, mu_minus=0.2), load=9.81)
+    >>> belt = ss.machines.FlowContact(slip=lambda t, y: y[1] - 0.1, friction=ss.Coulomb(mu_plus=0.2, mu_minus=0.2), load=9.81)
     >>> flow = ss.SwitchingFlow(lambda t, y, R: (y[1], -4.0 * y[0] - R.belt), contacts={"belt": belt})
     >>> plain = composed(flow)
     >>> plain.fields["belt-"](0.0, [0.0, 0.0]), plain.switches["belt-"][0].to(0.0, [0.2, 0.1])
@@ -48,7 +48,7 @@ def mode_of_state(flow: SwitchingFlow, y: Array, t: float = 0.0, mode: Any = Non
     Examples
     --------
     >>> import stickslip as ss
-    >>> belt = ss.FlowContact(slip=lambda t, y: y[1] - 0.1, friction=ss.Coulomb(mu_plus=0.2, mu_minus=0.2), load=9.81)
+    >>> belt = ss.machines.FlowContact(slip=lambda t, y: y[1] - 0.1, friction=ss.Coulomb(mu_plus=0.2, mu_minus=0.2), load=9.81)
     >>> flow = ss.SwitchingFlow(lambda t, y, R: (y[1], -4.0 * y[0] - R.belt), contacts={"belt": belt})
     >>> [mode_of_state(flow, [x, v]) for x, v in ((0.0, 0.0), (0.2, 0.1), (0.9, 0.1))]
     ['belt-', 'belt0', 'belt-']

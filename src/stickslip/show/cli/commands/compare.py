@@ -71,14 +71,15 @@ def act(asked: Namespace) -> Outcome:
 
 def _check_robot(name: str) -> None:
     """Check that the model is a robot: a law alone gives a force for a prescribed motion, which `identify` fits and ranks."""
+    from stickslip.basics.lazy_names import typed_name
     from stickslip.models.friction import LAWS
     from stickslip.models.presets import PRESETS
 
     if name.lower() not in LAWS or name in PRESETS:
         return
-    robot, fit = "piezo_rig tilt_deg=1.7 amplitude=5.56e-4", f"ss.identify(rec, ss.{LAWS[name.lower()].__name__}, free={{...}})"
+    robot, fit = "piezo_rig tilt_deg=1.7 amplitude=5.56e-4", f"ss.identify(rec, {typed_name(LAWS[name.lower()].__name__)}, free={{...}})"
     said = f"{name!r} is a law, not a robot; give a robot, such as {robot}; laws are fitted to records of force with"
-    typed = f"stickslip identify {name} --record FILE --free NAME=A..B, and ranked in Python: ss.rank([{fit}, ...])"
+    typed = f"stickslip identify {name} --record FILE --free NAME=A..B, and ranked in Python: ss.identification.rank([{fit}, ...])"
     raise InputError("compare", [f"{said} {typed}"])
 
 

@@ -1,0 +1,1 @@
+from stickslip.inverse.identification import *

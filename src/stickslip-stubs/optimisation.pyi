@@ -1,0 +1,1 @@
+from stickslip.inverse.optimisation import *

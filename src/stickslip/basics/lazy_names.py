@@ -1,0 +1,107 @@
+"""The public names of a package, as its `__init__.pyi` lists them: each is imported when it is first used."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+from collections.abc import Callable
+from pathlib import Path
+
+
+def names_of_stub(package: str, file: str) -> dict[str, tuple[str, str]]:
+    """Each public name of a package, and the module and the name that it has there.
+
+    Parameters
+    ----------
+    package, file : str
+        ``__name__`` and ``__file__`` of the package; its stub lies beside the file.
+
+    Examples
+    --------
+    >>> import stickslip
+    >>> names_of_stub("stickslip", stickslip.__file__)["solve"]
+    ('stickslip.solvers', 'solve')
+    """
+    tree = ast.parse(Path(file).with_suffix(".pyi").read_text(encoding="utf-8"))
+    places = {
+        alias.asname or alias.name: (_absolute(package, node), alias.name)
+        for node in tree.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+    for node in tree.body:  # optimize = optimise
+        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Name) and isinstance(node.targets[0], ast.Name):
+            places[node.targets[0].id] = places[node.value.id]
+    return {name: place for name, place in places.items() if not name.startswith("_")}
+
+
+def _absolute(package: str, node: ast.ImportFrom) -> str:
+    if not node.level:
+        return node.module or ""
+    parts = package.split(".")[: len(package.split(".")) - node.level + 1]
+    return ".".join([*parts, *([node.module] if node.module else [])])
+
+
+def lazy_names(package: str, file: str) -> tuple[Callable[[str], object], Callable[[], list[str]], list[str]]:
+    """`__getattr__`, `__dir__` and `__all__` of a package whose stub lists its names.
+
+    Parameters
+    ----------
+    package, file : str
+        ``__name__`` and ``__file__`` of the package.
+
+    Examples
+    --------
+    >>> import stickslip
+    >>> load, listed, names = lazy_names("stickslip", stickslip.__file__)
+    >>> listed() == names and load("solve").__name__
+    'solve'
+    """
+    places = names_of_stub(package, file)
+
+    def load(name: str) -> object:
+        if name not in places:
+            from stickslip.basics.errors import did_you_mean
+
+            raise AttributeError(f"{package} has no {name!r}; {did_you_mean(name, places)}")
+        module, attribute = places[name]
+        place = importlib.import_module(module)
+        if attribute not in vars(place) and (module == package or attribute not in dir(place)):
+            importlib.import_module(f"{module}.{attribute}")  # a package within the package
+        value = getattr(place, attribute)
+        vars(importlib.import_module(package))[name] = value
+        return value
+
+    return load, lambda: sorted(places), sorted(places)
+
+
+def listing(names: list[str]) -> Callable[[], list[str]]:
+    """`__dir__` of a module that shows its public names only, so that completion shows what there is to choose from.
+
+    Examples
+    --------
+    >>> listing(["Coulomb", "LuGre"])()
+    ['Coulomb', 'LuGre']
+    """
+    return lambda: list(names)
+
+
+#: Where names are looked for that are not at the top; figures last, since they load Matplotlib.
+PACKAGES = (
+    "friction", "drives", "tracks", "machines", "presets", "dynamics", "analysis", "identification", "optimisation", "studies", "designs",
+    "results", "quantities", "plot",
+)  # fmt: skip
+
+
+def typed_name(name: str) -> str:
+    """What to type for a public name after ``import stickslip as ss``; empty if there is none.
+
+    Examples
+    --------
+    >>> typed_name("LuGre"), typed_name("GMS"), typed_name("Mascot")
+    ('ss.LuGre', 'ss.friction.GMS', '')
+    """
+    top = importlib.import_module("stickslip")
+    if name in top.__all__:
+        return f"ss.{name}"
+    return next((f"ss.{package}.{name}" for package in PACKAGES if name in getattr(top, package).__all__), "")
