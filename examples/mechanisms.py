@@ -46,7 +46,7 @@ def oscillator(ax: plt.Axes) -> None:
     for ratio, colour in ((0.1, COLOURS[0]), (0.3, COLOURS[1]), (0.5, COLOURS[2])):
         ax.plot(fine, den_hartog(fine, ratio), color=colour, label=f"$\\mu N/F$ = {ratio}")
         for beta in (0.55, 0.7, 0.8, 1.25, 1.4, 1.6):
-            bench = ss.ForcedOscillator(mass=1.0, stiffness=1.0, damping=0.0, force=1.0, omega=beta, friction=ss.Coulomb(ratio, ratio))
+            bench = ss.ForcedOscillator(mass=1.0, stiffness=1.0, force=1.0, omega=beta, friction=ss.Coulomb(ratio, ratio))
             run = ss.solve(bench, periods=150)
             ax.plot(beta, run.x[run.t > 149 * run.period_time].max(), "o", color=colour, markersize=3.5, markeredgecolor="white")
     ax.set_xlabel("frequency $\\omega\\sqrt{m/k}$")

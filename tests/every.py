@@ -151,7 +151,7 @@ every_machine: dict[str, tuple[Any, str, tuple[float, float]]] = {
     "Robot": (SHAKEN, "drive.amplitude", (5e-4, 6e-4)),
     "PulledMass": (ss.PulledMass(1.0, 2.0, 0.1, STICTION, load=1.0), "speed", (0.1, 0.15)),
     "BlockOnBelt": (ss.BlockOnBelt(1.0, 2.0, 0.1, STICTION, load=1.0), "speed", (0.1, 0.15)),
-    "ForcedOscillator": (ss.ForcedOscillator(1.0, 1.0, 0.01, 1.0, 0.7, DRY), "omega", (0.6, 0.7)),
+    "ForcedOscillator": (ss.ForcedOscillator(1.0, 1.0, 1.0, 0.7, DRY, damping=0.01), "omega", (0.6, 0.7)),
     "Robot, inner mass driven by force": (CAPSUBOT, "drive.stiffness", (250.0, 260.0)),
     "Chain, set-valued laws": (_chain(SHAKEN), "phases.1", (0.5, 1.57)),
     "Chain, LuGre": (_chain(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4)), "link.stiffness", (500.0, 1200.0)),

@@ -145,7 +145,7 @@ def test_what_moves_bodies_apart_is_found_beside_gravity_and_springs():
 
 _DRIVEN, _UNDRIVEN = ss.Harmonic(amplitude=1e-3, omega=10.0), ss.Harmonic(amplitude=0.0, omega=10.0)
 _SMOOTH = ss.LuGre(0.18, 0.18, 0.21, 0.21, 4e5, 100.0, 0.04, 2e-3)
-_OSCILLATOR = ss.ForcedOscillator(1.0, 1.0, 0.3, 0.0, 0.7, ss.Coulomb(0.0, 0.0))
+_OSCILLATOR = ss.ForcedOscillator(1.0, 1.0, 0.0, 0.7, ss.Coulomb(0.0, 0.0), damping=0.3)
 #: Right runs: machines that move, that hardly move, that rest, that exchange energy without losing any, and that have lost all of it.
 RIGHT = {
     **{

@@ -465,7 +465,7 @@ def test_a_drive_in_pieces_may_start_at_any_phase(drive):
 
 def test_a_phase_where_there_is_no_drive_is_refused():
     with pytest.raises(ss.InputError, match="ForcedOscillator has none; leave phase out"):
-        ss.basins(ss.ForcedOscillator(1.0, 1.0, 0.0, 1.0, 0.7, ss.Coulomb(0.3, 0.3)), phase=[0.2])
+        ss.basins(ss.ForcedOscillator(1.0, 1.0, 1.0, 0.7, ss.Coulomb(0.3, 0.3)), phase=[0.2])
 
 
 def test_a_start_at_another_phase_is_a_start_of_the_shifted_drive():

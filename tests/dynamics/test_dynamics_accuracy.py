@@ -29,7 +29,7 @@ def test_a_neimark_sacker_point_lies_within_its_accuracy():
     """Of a linear oscillator: at a = 0."""
     from dynamics.test_dynamics_special import Fed, W
 
-    free = lambda a: ss.ForcedOscillator(1.0, 1.0, 0.0, 1.0, W, Fed(a, 0.0))  # noqa: E731
+    free = lambda a: ss.ForcedOscillator(1.0, 1.0, 1.0, W, Fed(a, 0.0))  # noqa: E731
     (point,) = ss.continuation(free, parameter="a", start=-0.2, stop=0.1, step=0.2).special
     assert abs(point.value) <= point.accuracy <= 1e-8
 

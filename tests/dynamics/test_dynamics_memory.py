@@ -194,7 +194,7 @@ def test_a_state_beyond_the_limit_of_an_element_is_no_orbit(yielding):
 
 
 def test_a_law_that_stands_at_a_limit_of_its_equations_has_no_exponents_and_says_so():
-    found = ss.lyapunov(ss.ForcedOscillator(1.0, 1.0, 0.02, 0.9, 0.4, friction=Clipped(0.2), load=1.0), periods=20, settle=20)
+    found = ss.lyapunov(ss.ForcedOscillator(1.0, 1.0, 0.9, 0.4, friction=Clipped(0.2), load=1.0, damping=0.02), periods=20, settle=20)
     assert np.isnan(found.largest) and "touched without being crossed" in found.note
 
 

@@ -62,7 +62,7 @@ def test_neimark_sacker_points_are_where_the_flow_keeps_areas():
 
 def test_a_neimark_sacker_point_of_a_linear_oscillator():
     """Without the force and the cubic term the multipliers are exp((a/2 +- i sqrt(1 - a^2/4)) T): unit circle at a = 0."""
-    free = lambda a: ss.ForcedOscillator(1.0, 1.0, 0.0, 1.0, W, Fed(a, 0.0))  # noqa: E731
+    free = lambda a: ss.ForcedOscillator(1.0, 1.0, 1.0, W, Fed(a, 0.0))  # noqa: E731
     b = ss.continuation(free, parameter="a", start=-0.2, stop=0.1, step=0.2)
     assert [s.kind for s in b.special] == ["neimark-sacker"] and b.special[0].value == pytest.approx(0.0, abs=1e-10)
     assert "Neimark-Sacker" in ss.plot.continuation(b, "x").get_legend_handles_labels()[1]

@@ -53,7 +53,7 @@ def test_the_grazing_of_a_wall_is_where_the_free_swing_reaches_it():
 @pytest.mark.parametrize("way", ["machine", "flow"])
 def test_the_sliding_border_of_a_spring_oscillator_is_den_hartogs(way):
     if way == "machine":
-        make, other = lambda F, omega=0.7: ss.ForcedOscillator(1.0, 1.0, 0.0, 1.0, omega, ss.Coulomb(F, F)), "omega"
+        make, other = lambda F, omega=0.7: ss.ForcedOscillator(1.0, 1.0, 1.0, omega, ss.Coulomb(F, F)), "omega"
     else:
         make, other = DEN_HARTOG, "r"
     border = float(stopping(0.7))
@@ -91,7 +91,7 @@ def test_a_grazing_under_lugre_is_that_of_a_branch_at_another_value(parameter, s
 
 @pytest.mark.slow
 def test_a_grazing_under_dahls_law_is_that_of_a_branch_at_another_frequency():
-    bench = lambda F, omega=0.3: ss.ForcedOscillator(1.0, 1.0, 0.05, 1.0, omega, ss.Dahl(F, F, sigma0=30.0))  # noqa: E731
+    bench = lambda F, omega=0.3: ss.ForcedOscillator(1.0, 1.0, 1.0, omega, ss.Dahl(F, F, sigma0=30.0), damping=0.05)  # noqa: E731
     branch = ss.continuation(bench, parameter="F", start=0.077, stop=0.081, step=0.5)
     curve = ss.dynamics.special_curve(branch, first(branch, "grazing"), "omega", stop=0.302, step=0.5)
     F, omega = map(float, curve.values[-1])
@@ -144,7 +144,7 @@ def test_an_event_of_ones_own_is_located_and_followed_where_its_closed_form_says
 
 def test_an_event_is_followed_in_two_parameters_of_a_machine():
     """Den Hartog's amplitude without stops, X^2 = V^2 - F^2 U^2, is 1.9 along a curve of friction and frequency."""
-    bench = lambda F, omega=0.7: ss.ForcedOscillator(1.0, 1.0, 0.0, 1.0, omega, ss.Coulomb(F, F))  # noqa: E731
+    bench = lambda F, omega=0.7: ss.ForcedOscillator(1.0, 1.0, 1.0, omega, ss.Coulomb(F, F))  # noqa: E731
     peak = {"peak": lambda orbit: abs(float(orbit.run.at(orbit.run.events[0].t)["x"])) - 1.9}
     guess = {"x": 1.0, "v": 0.5}
     branch = ss.continuation(bench, parameter="F", start=0.2, stop=0.35, guess=guess, events=peak, step=0.2)

@@ -109,7 +109,7 @@ def test_a_fold_meets_a_flip_or_a_turning_pair_where_two_motions_side_by_side_sa
 
 def test_the_pair_of_a_linear_oscillator_with_a_spring_is_followed_through_its_resonances():
     """A machine: multipliers exp((a/2 +- i sqrt(1 - a^2/4)) 2 pi/omega), so a = 0; 1/omega = 4/3 and 5/4 turns."""
-    free = lambda a, omega=0.7: ss.ForcedOscillator(1.0, 1.0, 0.0, 1.0, omega, Fed(a, 0.0))  # noqa: E731
+    free = lambda a, omega=0.7: ss.ForcedOscillator(1.0, 1.0, 1.0, omega, Fed(a, 0.0))  # noqa: E731
     branch = ss.continuation(free, parameter="a", start=-0.2, stop=0.1, step=0.2)
     curve = ss.dynamics.special_curve(branch, branch.special[0], "omega", stop=0.9)
     assert np.all(abs(curve.values[:, 0]) <= curve.accuracy[:, 0] + 1e-12) and curve.accuracy.max() < 1e-8

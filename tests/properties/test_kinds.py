@@ -83,7 +83,7 @@ def started(model, numbers):
         (robot("stribeck", "harmonic").replace({"drive.amplitude": np.linspace(2e-4, 1.1e-3, 21)}), None),
         (robot("coulomb", "twophase").replace({"drive.u2": np.linspace(0.06, 0.5, 21)}), None),
         (robot("tabulated", "verticalvibration").replace({"drive.drive.amplitude": np.linspace(2e-4, 1.1e-3, 21)}), None),
-        (ss.ForcedOscillator(1.0, 1.0, 0.02, np.linspace(0.5, 2.0, 21), 0.7, ss.Coulomb(0.3, 0.3, 0.35, 0.35)), None),
+        (ss.ForcedOscillator(1.0, 1.0, np.linspace(0.5, 2.0, 21), 0.7, ss.Coulomb(0.3, 0.3, 0.35, 0.35), damping=0.02), None),
     ],
     ids=["a law with modes", "Taylor arcs", "impulses", "flags and a load that varies", "a mechanism"],
 )  # fmt: skip

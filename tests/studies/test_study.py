@@ -529,7 +529,7 @@ def test_a_mechanism_travels_too():
 
     law = ss.Coulomb(0.3, 0.3)
     benches = [
-        (ss.ForcedOscillator(1.0, 1.0, 0.01, 1.0, 0.7, law), {}),
+        (ss.ForcedOscillator(1.0, 1.0, 1.0, 0.7, law, damping=0.01), {}),
         (ss.PulledMass(1.0, 2.0, 0.1, law), {"duration": 3.0}),
         (ss.BlockOnBelt(1.0, 2.0, 0.1, law), {"duration": 3.0}),
     ]

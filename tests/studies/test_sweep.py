@@ -298,7 +298,7 @@ def test_following_shortens_transients():
 
 STICTION, BRISTLES = ss.Coulomb(0.3, 0.3, 0.45, 0.45), ss.LuGre(0.3, 0.3, 0.45, 0.45, sigma0=100.0, sigma1=1.0, sigma2=0.1, v_s=0.05)
 SPRUNG = {
-    "forced_oscillator": (ss.ForcedOscillator(1.0, 1.0, 0.01, 1.0, 0.7, STICTION), {"omega": [0.6, 0.7, 0.8]}, {"periods": 3}),
+    "forced_oscillator": (ss.ForcedOscillator(1.0, 1.0, 1.0, 0.7, STICTION, damping=0.01), {"omega": [0.6, 0.7, 0.8]}, {"periods": 3}),
     "block_on_belt": (ss.BlockOnBelt(1.0, 2.0, 0.1, STICTION), {"speed": [0.1, 0.15, 0.2]}, {"duration": 4.0}),
     "pulled_mass": (ss.PulledMass(1.0, 2.0, 0.1, STICTION), {"speed": [0.1, 0.15, 0.2]}, {"duration": 7.0}),
 }

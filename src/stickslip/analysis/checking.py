@@ -232,7 +232,9 @@ def check(
     of = transient_words(run.steadiness, uncertainty)
     verdict = finding(answer, uncertainty, digits, period, counted, robot, of) + naive(answer, judges, robot)
     early = [ending.note("some methods were not asked, so fewer digits may be certain than are given")] if ending.interrupted else []
-    return Check(answer, best, uncertainty, digits, period, balance, tuple(judges), (*early, *run.notes), verdict, of)
+    return Check(
+        answer, best, uncertainty, digits, period, balance, tuple(judges), (*early, *run.notes, *machine_of(robot).cautions), verdict, of
+    )
 
 
 def _check_arguments(robot: Model, rk4_steps: Any, duration: Any) -> None:

@@ -14,7 +14,6 @@ import contextvars
 import functools
 import math
 import signal
-import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -180,7 +179,9 @@ def _say(call: _Call) -> None:
         sentence = f"{call.name} was complete when Ctrl-C came"
     else:
         return
-    print(f"stickslip: {sentence}", file=sys.stderr, flush=True)
+    from stickslip.basics.notices import notify
+
+    notify(f"stickslip: {sentence}")
 
 
 def look() -> None:

@@ -218,16 +218,32 @@ _ALSO = {"rad/s": (0.5 / math.pi, " Hz"), "rad": (180 / math.pi, "°")}
 
 
 def with_unit(value: float, unit: str) -> str:
-    """A number with its unit, and angles and angular frequencies in degrees and hertz too.
+    """A number with its unit, and angles and angular frequencies in degrees and hertz too; first what was typed, the shorter number.
 
     Examples
     --------
-    >>> with_unit(0.06, "kg"), with_unit(251.327412, "rad/s"), with_unit(0.05236, "rad"), with_unit(0.15, "1")
-    ('0.06 kg', '251.327 rad/s (40 Hz)', '0.05236 rad (3.00001°)', '0.15')
+    >>> with_unit(0.06, "kg"), with_unit(0.05236, "rad"), with_unit(0.15, "1")
+    ('0.06 kg', '0.05236 rad (3.00001°)', '0.15')
+    >>> with_unit(251.327412, "rad/s"), with_unit(205.5, "rad/s")
+    ('40 Hz (251.327 rad/s)', '205.5 rad/s (32.7063 Hz)')
+    """
+    shown = f"{value:.6g}" if unit in ("", "1") else f"{value:.6g} {pretty_unit(unit)}"
+    also = also_in(value, unit)
+    if unit == "rad/s" and also and len(also.split()[0]) < len(shown.split()[0]):
+        shown, also = also, shown
+    return f"{shown} ({also})" if also else shown
+
+
+def also_in(value: float, unit: str) -> str:
+    """The number in the other unit that people think of; empty if there is none.
+
+    Examples
+    --------
+    >>> also_in(251.327412, "rad/s"), also_in(0.06, "kg")
+    ('40 Hz', '')
     """
     factor, other = _ALSO.get(unit, (0.0, ""))
-    shown = f"{value:.6g}" if unit in ("", "1") else f"{value:.6g} {pretty_unit(unit)}"
-    return f"{shown} ({value * factor:.6g}{other})" if other and value else shown
+    return f"{value * factor:.6g}{other}" if other and value else ""
 
 
 _INDICES, SUBSCRIPTS = "0123456789+-aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉₊₋ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ"

@@ -26,6 +26,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from stickslip.basics.interruption import held_together
+from stickslip.basics.notices import notify
 from stickslip.basics.whole_files import write_whole
 from stickslip.engine.trust import SHARED, is_foreign, make_folder, private_folder, unsafe
 
@@ -322,4 +323,4 @@ def _without_collections() -> Iterator[None]:
 def _say(sentence: str) -> None:
     if sentence not in _reported:
         _reported.add(sentence)
-        print(sentence, file=sys.stderr, flush=True)
+        notify(sentence)

@@ -147,7 +147,7 @@ def kernel_of(
 
     def compiled() -> Kernel:
         check_numbers(model)
-        return kernel(system(), tableau, label(model) if made is None else f"{made.__name__} of {label(model)}", record)
+        return kernel(system(), tableau, label(model) if made is None else f"{made.__name__.replace('_', ' ')} of {label(model)}", record)
 
     return _kernels((known_kind(model), tableau and tableau.name, record, observe, made, noted), compiled)
 

@@ -138,7 +138,7 @@ def with_observables(system: System, observed: dict[str, Sym]) -> System:
     return _with_passive(system, [graph.variable(name) for name in observed], list(observed.values()))
 
 
-def with_volume(system: System) -> System:
+def tangent_and_volume(system: System) -> System:
     """The tangent, by the start alone, with the logarithm of how a volume of starts has grown, by Liouville's formula.
 
     It knows what no change itself can show: a stiff bristle forgets by e^-1000 in a period. At a switch the volume grows by the determinant

@@ -187,9 +187,18 @@ class MachineAdapter:
         own = getattr(self.model, "notes", None)
         if own is not None:
             return list(own)
+        return self._of_laws(lambda law, load: law.notes(load))
+
+    @property
+    def cautions(self) -> list[str]:
+        """What its laws say where their energy is examined."""
+        return self._of_laws(lambda law, load: law.cautions(load))
+
+    def _of_laws(self, said: Callable[[Any, Any], list[str]]) -> list[str]:
+        """The remarks of the law of each contact."""
         mechanics = self.mechanics
         contacts = zip(mechanics.contacts, mechanics.laws, mechanics.loads(0.0, mechanics.start), strict=True)
-        return [note if self.is_single else f"{name}: {note}" for name, law, load in contacts for note in law.notes(load)]
+        return [note if self.is_single else f"{name}: {note}" for name, law, load in contacts for note in said(law, load)]
 
     @property
     def input(self) -> tuple[Any, dict[str, Any]] | None:

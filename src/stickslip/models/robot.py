@@ -204,7 +204,7 @@ class Robot(Frozen):
 
     @property
     def notes(self) -> list[str]:
-        """Remarks on these numbers that are not errors, such as a LuGre law that is not passive or a beam bent too far."""
+        """Remarks on these numbers that are not errors, such as a beam bent too far."""
         remarks = [*drive_of(self.whole_drive).notes, *law_of(self).notes(self.load(0.0, 0.0))]
         return (
             remarks + _beyond_friction(self.friction) + _unfolded(self) + _slides(self) + _lifted(self) + remarks_on_gravity(self.gravity)

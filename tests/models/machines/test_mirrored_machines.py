@@ -90,7 +90,7 @@ class Prescribed(ss.Machine):
     [
         every_machine["PulledMass"][0],
         every_machine["BlockOnBelt"][0],
-        ss.ForcedOscillator(1.0, 1.0, 0.01, 1.0, 0.7, ss.Coulomb(0.2, 0.3), bias=0.1),
+        ss.ForcedOscillator(1.0, 1.0, 1.0, 0.7, ss.Coulomb(0.2, 0.3), bias=0.1, damping=0.01),
         ss.Chain((SHAKEN, LOPSIDED.replace(body_mass=0.05), SHAKEN), LINKS, phases=(0.0, 1.0, 2.0)),
         every_machine["capsule with an elastic stop"][0],
         every_machine["a machine of your own"][0],

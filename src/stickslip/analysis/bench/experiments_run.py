@@ -117,7 +117,9 @@ def bench(
     ending.needs(any(measured))
     for one, done in zip(laws, filter(None, measured), strict=False):
         early = [ending.note(f"{len(done)} of {len(names)} experiments are measured")] if len(done) < len(names) else []
-        results.append(Bench(one, float(load), float(mass), tuple(done), (*early, *adapted(one).notes(float(load)))))
+        law = adapted(one)
+        remarks = (*early, *law.notes(float(load)), *law.cautions(float(load)))
+        results.append(Bench(one, float(load), float(mass), tuple(done), remarks))
     return Benches(tuple(results)) if many else results[0]
 
 

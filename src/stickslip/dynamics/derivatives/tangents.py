@@ -81,7 +81,7 @@ def changes_along(
     order : int
         What happens at one instant happens in the order of the guards (1), against it (-1), or as rounding has it (0).
     made : callable
-        What is made of the system: `tangent`, or `with_volume`, whose volume comes with it.
+        What is made of the system: `tangent`, or `tangent_and_volume`, whose volume comes with it.
     """
     from stickslip.solvers.time_dependence import check_period
 

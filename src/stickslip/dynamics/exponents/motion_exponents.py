@@ -25,7 +25,7 @@ from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, over_chunks
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, flight, refuse_chance, strobe_map, strobe_points, strobe_states
-from stickslip.engine.tangent import with_volume
+from stickslip.engine.tangent import tangent_and_volume
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.switching_flow import is_flow
 from stickslip.solvers.plain.composed_flows import mode_of_strobe_state
@@ -164,7 +164,12 @@ def _growth_of_machine(model: Model, scales: Array, rtol: float, begins: Array, 
     """The derivative of each stretch between returns, in scales, and the logarithm of the growth of its volume."""
     count, d = len(begins), len(scales)
     changes = changes_along(
-        model, np.repeat(begins, d, axis=0), np.tile(np.diag(scales), (count, 1)), rtol=rtol, span=np.repeat(took, d), made=with_volume
+        model,
+        np.repeat(begins, d, axis=0),
+        np.tile(np.diag(scales), (count, 1)),
+        rtol=rtol,
+        span=np.repeat(took, d),
+        made=tangent_and_volume,
     )
     return list(zip((changes.change / scales).reshape(count, d, d).transpose(0, 2, 1), changes.volume[::d], strict=True))
 
@@ -244,7 +249,7 @@ def _periods_of(run: Trajectory) -> Changes:
     at, begins = coordinates(run.model), strobe_states(run)[: run.periods]
     scales = at.scales[: at.smooth]
     starts = np.tile(np.diag(scales), (run.periods, 1))
-    changes = changes_along(run.model, np.repeat(begins, at.smooth, axis=0), starts, rtol=run.rtol, made=with_volume)
+    changes = changes_along(run.model, np.repeat(begins, at.smooth, axis=0), starts, rtol=run.rtol, made=tangent_and_volume)
     return replace(changes, change=changes.change / scales)
 
 

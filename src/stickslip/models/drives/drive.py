@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Callable
 from typing import Any, ClassVar
 
@@ -58,6 +59,11 @@ class OfFrequency:
         """Frequency omega / (2 pi) [Hz]."""
         return self.omega / (2 * pi)
 
+    def __repr__(self: Any) -> str:
+        given = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+        shown = [as_typed(v) if name == "omega" else f"{name}={v!r}" for name, v in given.items() if v is not None]
+        return f"{type(self).__name__}({', '.join(shown)})"
+
 
 class Remarked(Frozen):
     """Base of the parts that have remarks on the source of their numbers."""
@@ -76,6 +82,21 @@ class Remarked(Frozen):
 
 class PeriodicDrive(OfPeriod, Drive):
     """A drive that is given by its period."""
+
+
+def as_typed(omega: Any) -> str:
+    """The argument that gave this angular frequency: of frequency and omega the one with fewer digits that gives it exactly.
+
+    Examples
+    --------
+    >>> as_typed(2 * pi * 32.7), as_typed(205.46), as_typed(0.7)
+    ('frequency=32.7', 'omega=205.46', 'omega=0.7')
+    """
+    if isinstance(omega, float) and math.isfinite(omega):
+        hertz = float(f"{omega / (2 * pi):.12g}")
+        if 2 * pi * hertz == omega and len(repr(hertz)) < len(repr(omega)):
+            return f"frequency={hertz!r}"
+    return f"omega={omega!r}"
 
 
 def angular_frequency(kind: str, omega: Numeric, frequency: Numeric, typed: str) -> Any:

@@ -13,7 +13,7 @@ from stickslip.models.drives.drive import Drive, OfFrequency, Remarked, angular_
 _KNOWN = "the amplitude was found for"
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@dataclass(frozen=True, eq=False, init=False, repr=False)
 class Harmonic(OfFrequency, Remarked, Drive):
     r"""Relative motion of the inner mass, Eq. 2.2: :math:`\xi(t) = A \sin(\omega t + \varphi)`.
 

@@ -12,7 +12,7 @@ from stickslip.models.drives.drive import OfFrequency, angular_frequency, taken
 from stickslip.models.drives.force import Force
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@dataclass(frozen=True, eq=False, init=False, repr=False)
 class HarmonicForce(OfFrequency, Force):
     r"""A force on the inner mass of a `Forced` drive: :math:`F(t) = A \sin(\omega t + \varphi)`.
 

@@ -14,7 +14,7 @@ from stickslip.models.drives.fourier import FourierDrive
 _EXAMPLE = "type for example MultiHarmonic(omega=205.0, amplitudes=(5e-4, 1e-4), phases=(0.0, 1.57))"
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@dataclass(frozen=True, eq=False, init=False, repr=False)
 class MultiHarmonic(OfFrequency, FourierDrive):
     r"""Relative motion :math:`\xi(t) = A_1 \sin(\omega t + \varphi_1) + A_2 \sin(2 \omega t + \varphi_2) + \dots`.
 

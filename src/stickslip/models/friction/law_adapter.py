@@ -171,6 +171,11 @@ class LawAdapter:
         own = getattr(self.law, "notes", None)
         return [] if own is None else list(own(load))
 
+    def cautions(self, load: Numeric) -> list[str]:
+        """What the law says where its energy is examined, in `check` and on the bench, and nowhere else."""
+        own = getattr(self.law, "cautions", None)
+        return [] if own is None else list(own(load))
+
     @functools.cached_property
     def needs_applied(self) -> bool:
         """Whether its force must know the friction force that would hold the body."""

@@ -67,8 +67,8 @@ class LuGre(Fading, Bristles):
         """Friction force R [N] (Eq. 2.5)."""
         return self.sigma0 * z + self.sigma1 * zdot + self.sigma2 * v
 
-    def notes(self, load: Numeric) -> list[str]:
-        """Remarks on the numbers: the passivity condition sigma1 <= sigma2 Fc / (Fs - Fc)."""
+    def cautions(self, load: Numeric) -> list[str]:
+        """What `check` and the bench say about its energy: the passivity condition sigma1 <= sigma2 Fc / (Fs - Fc)."""
         return _passivity(self)
 
 

@@ -78,6 +78,10 @@ class Sum(Law):
         """The notes of both parts."""
         return [note for part in (self.first, self.second) for note in adapted(part).notes(load)]
 
+    def cautions(self, load: Numeric) -> list[str]:
+        """The cautions of both parts."""
+        return [caution for part in (self.first, self.second) for caution in adapted(part).cautions(load)]
+
 
 class SlidingSum(Sum):
     """A set-valued sum."""

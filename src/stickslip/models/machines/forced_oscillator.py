@@ -25,8 +25,6 @@ class ForcedOscillator(Sprung):
         Mass m [kg].
     stiffness : float
         Stiffness k [N/m]; 0 is not a spring.
-    damping : float
-        Viscous damping c [N s/m].
     force : float
         Amplitude F of the force [N].
     omega : float
@@ -37,6 +35,8 @@ class ForcedOscillator(Sprung):
         Normal force [N]; with 1 the coefficients of the law are forces.
     bias : float
         Constant part F_0 of the force [N].
+    damping : float, optional
+        Viscous damping c [N s/m].
 
     References
     ----------
@@ -46,14 +46,14 @@ class ForcedOscillator(Sprung):
     Examples
     --------
     >>> import stickslip as ss
-    >>> bench = ss.ForcedOscillator(mass=1.0, stiffness=1.0, damping=0.0, force=1.0, omega=0.7, friction=ss.Coulomb(0.3, 0.3))
+    >>> bench = ss.ForcedOscillator(mass=1.0, stiffness=1.0, force=1.0, omega=0.7, friction=ss.Coulomb(0.3, 0.3))
     >>> round(bench.period, 6), bench.acceleration(t=0.0, x=2.0, v=0.0, R=0.3)
     (8.975979, -2.3)
     """
 
     mass: float = field(metadata=MASS | {"example": 1.0})
     stiffness: float = field(metadata=STIFFNESS | {"example": 1.0})
-    damping: float = field(metadata=DAMPING)
+    damping: float = field(default=0.0, kw_only=True, metadata=DAMPING)
     force: float = field(metadata=quantity("amplitude of the force", "N", "P", example=1.0))
     omega: float = field(metadata=OMEGA | {"example": 0.7, "allowed": ""})
     friction: Any

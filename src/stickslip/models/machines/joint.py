@@ -48,7 +48,7 @@ class Joint(TakesInput, Machine):
         Friction law of the joint. At the load 1, which is the default, its coefficients are torques [N m].
     torque : float, force or record, optional
         Applied torque at the motor [N m]: a number; an object with `at(t)` and a period, such as a force; or one period of a record, a pair
-        of arrays (times, torques), which is kept as a sum of harmonics. It adds to that of the controller.
+        of arrays (times, torques), which is kept as a sum of harmonics. It adds to that of the controller; none by default.
     gravity_torque : float, optional
         G = m g l [N m].
     gear_ratio : float, optional
@@ -56,7 +56,7 @@ class Joint(TakesInput, Machine):
     backlash : float, optional
         Play b of the gear from end to end, at the joint [rad].
     control : PID, optional
-        The controller. Without it a torque must be given.
+        The controller.
     load : float, optional
         N_0, the factor of the friction coefficients.
     load_gain : float, optional
@@ -142,11 +142,6 @@ class Joint(TakesInput, Machine):
 
     def _check(self, problems: Problems) -> None:
         check_law(self.friction, problems)
-        if self.control is None and self.torque is None:
-            problems.add(
-                "torque and control are both missing; allowed is one of them, or both; type torque=0.1 [N m], or "
-                "control=ss.machines.PID(kp=2.0, ki=1.0, kd=0.1, target=0.5)"
-            )
         if self.control is not None and not isinstance(self.control, PID):
             problems.add(f"control = {self.control!r}; allowed is a PID; type control=ss.machines.PID(kp=2.0, ki=1.0, kd=0.1, target=0.5)")
         if self.gear_stiffness is None and not everywhere(self.gear_damping == 0.0) and everywhere(self.backlash == 0.0):

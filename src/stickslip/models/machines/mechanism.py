@@ -38,7 +38,7 @@ class Mechanism(Filed):
 
     @property
     def notes(self: Any) -> list[str]:
-        """Remarks on these numbers that are not errors, such as a LuGre law that is not passive."""
+        """Remarks on these numbers that are not errors, such as a law outside of its range."""
         return law_of(self).notes(self.load)
 
 

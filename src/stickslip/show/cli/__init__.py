@@ -23,6 +23,14 @@ _HELP, _VERSION = ("-h", "--help", "help"), ("-V", "--version")
 _OF_ITSELF = (*_HELP, *_VERSION)  # what it says of itself: nothing runs that could be interrupted
 #: The names of all commands.
 COMMANDS = names()
+#: Commands under another spelling, and names that other programs have for ours.
+_SPELLED = {"optimize": "optimise"}
+_CALLED = {
+    **dict.fromkeys(("simulate", "solve", "integrate"), "run ROBOT"),
+    **dict.fromkeys(("plot", "draw", "figure"), "run ROBOT --figure FILE.png"),
+    **dict.fromkeys(("record", "open", "import"), "read FILE"),
+    **dict.fromkeys(("gui", "app", "web"), "explore"),
+}
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -99,9 +107,10 @@ def _dispatch(words: list[str]) -> int:
 
         print(f"stickslip {__version__}")
         return 0
-    name, rest = words[0], words[1:]
+    name, rest = _SPELLED.get(words[0], words[0]), words[1:]
     if name not in COMMANDS:
-        raise InputError("command", [f"{name!r} is not known; type stickslip --help for the list; {did_you_mean(name, COMMANDS)}"])
+        hint = f"type stickslip {_CALLED[name]}" if name in _CALLED else did_you_mean(name, COMMANDS)
+        raise InputError("command", [f"{name!r} is not known; type stickslip --help for the list; {hint}"])
     return done(name, rest)
 
 

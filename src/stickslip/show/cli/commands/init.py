@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError, Problems, as_path, did_you_mean
-from stickslip.basics.quantities import with_unit
+from stickslip.basics.quantities import also_in
 from stickslip.basics.whole_files import unwritable, write_whole
 from stickslip.models.naming import axis_of, example_for
 from stickslip.show.cli.arguments import names_of, subject
@@ -132,7 +132,7 @@ def _table(record: Any, where: str, kinds: dict[str, Any] | None = None, listed:
         elif value is not None:
             words = described.get(field.name, {"unit": "", "meaning": ""})
             unit = f"[{words['unit']}] " if words["unit"] else ""
-            also = with_unit(value, words["unit"]).partition(" (")[2].rstrip(")") if isinstance(value, float) else ""
+            also = also_in(value, words["unit"]) if isinstance(value, float) else ""
             lines.append(_remarked(_assigned(tomli_w, field.name, value), unit + (f"{also}. " if also else "") + words["meaning"]))
     return lines + inner
 

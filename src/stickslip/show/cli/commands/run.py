@@ -40,8 +40,6 @@ piezo_rig tilt_deg=1.7 amplitude=0.000556
   energy per period  drive 1.823e-05 J, friction 1.823e-05 J
   energy balance     worst residual 1.7e-09
   status             finished, 200 periods (100 to settle)
-  note               LuGre is not passive for v > 0: sigma1 = 100 N s/m is above sigma2 mu/(f - mu) = 0.2004 N s/m, so the bristle can give back more energy than it took
-  note               LuGre is not passive for v < 0: sigma1 = 100 N s/m is above sigma2 mu/(f - mu) = 0.2796 N s/m, so the bristle can give back more energy than it took
   made by            stickslip 0.1.0.dev0, Taylor12 at rtol 1e-06
 """,
 )
