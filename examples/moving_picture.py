@@ -25,7 +25,9 @@ def draw(file=FILE):
     ms = 1e3 * (t - begin)
 
     figure, (scene, curve) = plt.subplots(2, figsize=(6.4, 3.2), height_ratios=(1, 1.25), layout="constrained")
-    scene.set(xlim=(-1.2, 1.4), ylim=(-0.1, 0.75), yticks=[], xlabel="position [mm]", title="Slow motion: a mass shaken inside a body on a track")
+    scene.set(
+        xlim=(-1.2, 1.4), ylim=(-0.1, 0.75), yticks=[], xlabel="position [mm]", title="Slow motion: a mass shaken inside a body on a track"
+    )
     scene.axhline(0.0, color="0.3", lw=2)
     scene.axvline(0.0, color="0.6", lw=0.8, ls=":")
     box = scene.add_patch(Rectangle((0, 0.03), 1.5, 0.6, fc="none", ec=BODY, lw=2.5))

@@ -1,4 +1,4 @@
-"""The docs' page on the paper: its claims with verdicts, and its errata, as `stickslip paper` finds them.
+"""The page on the paper: its claims with verdicts, and its errata, as `stickslip paper` finds them.
 
 Run: python examples/paper_page.py [numbers.json of a finished `stickslip paper`]
 """
@@ -11,7 +11,7 @@ from pathlib import Path
 import stickslip as ss
 from stickslip.show.paper.claims_page import VERDICTS
 
-PAGE = Path(__file__).resolve().parents[1] / "docs" / "paper-revisited.md"
+PAGE = Path(__file__).resolve().parents[1] / "notes" / "paper-revisited.md"
 HEAD = """\
 # The paper revisited
 
@@ -87,10 +87,10 @@ END = """
 ## Consequences for your own work
 
 - *Folding* an incline into the friction coefficients is exact for Coulomb friction, but a different model for LuGre friction;
-  `incline="gravity"` models the incline itself. See [equations of motion](theory/equations-of-motion.md).
-- A motion that looks quasi-periodic may be an artefact of the step size. See [why not my RK4 script?](why-not-rk4.md)
+  `incline="gravity"` models the incline itself. See [equations of motion](../docs/theory/equations-of-motion.md).
+- A motion that looks quasi-periodic may be an artefact of the step size. See [why not my RK4 script?](../docs/why-not-rk4.md)
 - At large static friction the initial state of a LuGre robot matters: it slides from one initial state and stays near rest from another.
-- The dynamics around Figure 23 are described in [period doubling and chaos](tutorials/doubling-and-chaos.md).
+- The dynamics around Figure 23 are described in [period doubling and chaos](../docs/tutorials/doubling-and-chaos.md).
 """
 
 

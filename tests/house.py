@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGES = tuple(sorted([*ROOT.glob("*.md"), *(p for p in ROOT.glob("docs/**/*.md") if "_build" not in p.parts)]))
+PAGES = tuple(sorted([*ROOT.glob("*.md"), *ROOT.glob("notes/**/*.md"), *(p for p in ROOT.glob("docs/**/*.md") if "_build" not in p.parts)]))
 
 _FENCE = re.compile(r"^(?P<indent> *)(?P<fence>```+|:::+) *(?P<info>[^\n`]*)\n(?P<text>.*?)^(?P=indent)(?P=fence) *$", re.M | re.S)
 

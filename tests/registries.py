@@ -16,6 +16,7 @@ import stickslip as ss
 from house import ROOT
 from stickslip import drives, friction, machines
 from stickslip.basics.field_types import field_types
+from stickslip.basics.lazy_names import typed_name
 from stickslip.mechanisms import MECHANISMS
 from stickslip.models.drives.drive import Drive
 from stickslip.models.friction.law import Law
@@ -126,12 +127,8 @@ def unfinished(cls, *pages):
         found.append(f"{cls.__name__}: give its docstring an example that runs")
     lacking_in = [page for page in pages if not re.search(rf"\b{cls.__name__}\b", text_of(page))]
     found += [f"{cls.__name__}: {_to_write(page)}" for page in lacking_in]
-    if f"{cls.__name__} as {cls.__name__}" not in text_of("src/stickslip/__init__.pyi"):
-        found.append(f"{cls.__name__}: name it in src/stickslip/__init__.pyi")
-    elif getattr(ss, cls.__name__, None) is not cls:
-        found.append(f"{cls.__name__}: import it where src/stickslip/__init__.pyi has it from")
     package, _, _ = cls.__module__.rpartition(".")
-    if cls.__name__ not in getattr(importlib.import_module(package), "__all__", [cls.__name__]):
+    if not typed_name(cls.__name__) or cls.__name__ not in getattr(importlib.import_module(package), "__all__", [cls.__name__]):
         found.append(f"{cls.__name__}: name it in __all__ of {package}")
     return found
 

@@ -50,7 +50,8 @@ def test_every_result_has_a_face_and_a_picture(results):
 
 def test_what_a_function_returns_draws_itself_or_says_why_not():
     """Every class that a public function names as what it returns."""
-    functions = [f for f in (getattr(ss, name) for name in dir(ss)) if inspect.isfunction(f)]
+    places = (ss, ss.dynamics, ss.analysis, ss.identification, ss.optimisation, ss.studies)
+    functions = [f for place in places for f in (getattr(place, name) for name in dir(place)) if inspect.isfunction(f)]
     returned = {cls for f in functions for cls in _named(f) if cls.__module__.startswith("stickslip.")}
     without = {cls.__name__ for cls in returned if not callable(getattr(cls, "plot", None))}
     assert len(returned) > 25 and without == every.without_picture.keys()

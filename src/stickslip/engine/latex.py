@@ -78,7 +78,7 @@ def written(function: Callable[..., Any], **names: str) -> list[str]:
 
     Examples
     --------
-    >>> from stickslip.tracks.tracks import fold
+    >>> from stickslip.tracks import fold
     >>> print(*written(fold, coefficient=r"\mu_{0}", tilt=r"\theta"), sep="\n")
     \mu_{0} \cos{\left(\theta \right)} - \sin{\left(\theta \right)}
     \mu_{0} \cos{\left(\theta \right)} + \sin{\left(\theta \right)}

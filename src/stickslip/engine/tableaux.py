@@ -18,7 +18,7 @@ Rows = tuple[tuple[float, ...], ...]
 
 @dataclass(frozen=True)
 class Control:
-    """Constants of the step control, found by measuring cost against error over many robots (docs/decisions)."""
+    """Constants of the step control, found by measuring cost against error over many robots (notes/decisions)."""
 
     velocity_floor: float = 8e-3  # error weight of v: rtol (floor A omega + |v|)
     inner_floor: float = 5.0  # error weight of z: rtol (floor scale + |z|)

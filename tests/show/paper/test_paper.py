@@ -666,14 +666,14 @@ def differences(ours, page):
 
 @pytest.mark.slow
 def test_all_of_the_page_in_the_docs_is_from_a_full_run(tmp_path):
-    """`examples/paper_page.py` writes docs/paper-revisited.md: every line of it, from a new run."""
+    """`examples/paper_page.py` writes notes/paper-revisited.md: every line of it, from a new run."""
     full = ss.paper.reproduce(tmp_path / "paper")
-    assert differences(page_text(full.to_dict()), (ROOT / "docs" / "paper-revisited.md").read_text(encoding="utf-8")) == []
+    assert differences(page_text(full.to_dict()), (ROOT / "notes" / "paper-revisited.md").read_text(encoding="utf-8")) == []
 
 
 def test_the_page_in_the_docs_is_that_of_the_fast_run_where_that_computes_the_same(result):
     """The fast run has coarser scans: sentences on these differ in their numbers, all others must be the same."""
-    ours, page = page_text(result.to_dict()), (ROOT / "docs" / "paper-revisited.md").read_text(encoding="utf-8")
+    ours, page = page_text(result.to_dict()), (ROOT / "notes" / "paper-revisited.md").read_text(encoding="utf-8")
     told = set(page.splitlines())
     missing = [line for line in ours.splitlines() if line not in told and not near_some(line, told)]
     assert len(missing) < 0.06 * len(ours.splitlines()), missing

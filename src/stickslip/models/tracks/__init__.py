@@ -5,7 +5,7 @@
 
 from stickslip.basics.lazy_names import listing
 from stickslip.models.tracks.profiles import FrictionPatches, FrictionProfile, FrictionWave
-from stickslip.models.tracks.tracks import TRACKS, Incline, Level, VaryingFriction
+from stickslip.models.tracks.tracks import TRACKS, Incline, Level, VaryingFriction, fold
 
-__all__ = ["TRACKS", "FrictionPatches", "FrictionProfile", "FrictionWave", "Incline", "Level", "VaryingFriction"]
+__all__ = ["TRACKS", "FrictionPatches", "FrictionProfile", "FrictionWave", "Incline", "Level", "VaryingFriction", "fold"]
 __dir__ = listing(__all__)

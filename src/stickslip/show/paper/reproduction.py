@@ -30,7 +30,7 @@ from stickslip.show.paper.table import rows
 
 __all__ = ["FORMAT", "Reproduction", "reproduce"]
 
-#: Format of ``numbers.json``, which docs/paper-revisited.md describes.
+#: Format of ``numbers.json``, which notes/paper-revisited.md describes.
 FORMAT = "stickslip-paper-4"
 
 
