@@ -96,7 +96,8 @@ def solve(
     observe : dict of Observable, optional
         User-defined columns for a batch, by name: see `observable`.
     **options
-        Options of the method: ``steps`` per period for "rk4"; for a `SwitchingFlow` the initial ``mode``, the first if not given.
+        Options of the method: ``steps`` per period for "rk4"; for a `SwitchingFlow` the initial ``mode``, which follows from its state
+        if not given.
 
     Returns
     -------

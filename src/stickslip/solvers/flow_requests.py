@@ -15,7 +15,7 @@ from stickslip.basics.interruption import is_outermost, takes_some_cases
 from stickslip.basics.progress import reporting
 from stickslip.models.switching_flow import knows_mode, unknown_mode
 from stickslip.solvers.flow_engine import traced_flow
-from stickslip.solvers.plain.composed_flows import mode_of_state
+from stickslip.solvers.flow_starts import starting_modes
 from stickslip.solvers.settings import Request, Settings, check_duration, check_keep, check_rtol
 
 if TYPE_CHECKING:
@@ -32,16 +32,15 @@ def flow_request(flow: SwitchingFlow, settings: Settings) -> Request:
     problems.whole("workers", given.workers, 1, example=2)
     for name in (name for name in given.differing() if name in _OF_MACHINES):
         problems.add(f"{name} is not known of a flow; leave it out")
-    labels, mode = labels_of(flow), given.options.get("mode", next(iter(flow.fields)))
+    labels, mode = labels_of(flow), given.options.get("mode")
     _check_names(flow, labels, mode, given, problems)
     states = starts_of(flow, given.start, labels, problems)
     lengths = _lengths(flow, labels, given, problems)
     problems.check()
-    mode_of_state(cases_of(flow)[0] if labels.shape else flow, states[0], mode=mode)  # which says what no contact can do
+    modes = starting_modes(flow, states, mode, one=not labels.shape)
     equations = traced_flow(flow, states.shape[1])
     if equations.why:
         raise InputError("solve", [untraced(equations.why)])
-    check_start(flow, states, mode, one=not labels.shape)
     keep = given.keep or ("summary" if labels.shape else "trajectory")
     return Request(
         model=flow,
@@ -60,7 +59,7 @@ def flow_request(flow: SwitchingFlow, settings: Settings) -> Request:
         options=given.options,
         numbers=dict(flow.numbers),
         partial=is_outermost() if keep == "trajectory" else takes_some_cases(),
-        mode=mode,
+        modes=modes,
         equations=equations,
         **lengths,
     )
@@ -73,56 +72,13 @@ def _check_names(flow: SwitchingFlow, labels: Labels, mode: Any, given: Settings
             problems.add(
                 f"{name!r} is not an argument of solve for a flow; {did_you_mean(name, ('mode', 'start', 'duration', 'periods', 'settle'))}"
             )
-    if not knows_mode(flow.start_modes, mode):
+    if mode is not None and not knows_mode(flow.start_modes, mode):
         problems.add(f"mode: {unknown_mode(mode, flow.start_modes)}")
     if not is_one_of(given.method, ("auto", "exact")):
         judge = 'for the second opinion of SciPy\'s integrator type ss.dynamics.passage(flow, state, mode, duration, method="dop853")'
         problems.add(f'method = {given.method!r}; allowed for a flow are "auto" and "exact"; {judge}')
     check_keep(given.keep, labels, problems)
     problems.whole("samples", given.samples, 4, example=200)
-
-
-def check_start(flow: SwitchingFlow, states: Array, mode: Any, one: bool = False) -> None:
-    """`InputError` for a start beyond a guard of its mode whose switch would change the state at t = 0; `one` of a flow of single numbers.
-
-    Examples
-    --------
-    >>> import stickslip as ss
-    >>> hit = ss.Switch(lambda t, y: y[0], to="air", reset=lambda t, y: (0.0, -0.8 * y[1]))
-    >>> ball = ss.SwitchingFlow({"air": lambda t, y: (y[1], -9.81)}, {"air": (hit,)})
-    >>> check_start(ball, np.array([[1.0, 0.0]]), "air")
-    """
-    for case, y in zip([flow] if one else cases_of(flow), states, strict=True):
-        plain, y = case.plain, y[: len(y) - len(case.inner)]
-        base = case.labels[mode][0] if knows_mode(case.labels, mode) else mode
-        beyond = _beyond(plain, base, y)
-        if beyond is None:
-            continue
-        k, value = beyond
-        switch = plain.switches[base][k]
-        after = y if switch.reset is None else _called(switch.reset, y)
-        if after is None or not np.any(after != y):
-            continue
-        within = [each for each in plain.fields if _beyond(plain, each, y) is None]
-        typed = f"type mode={within[0]!r}, in which it is within the guards" if within else "give another start"
-        start = f"the run begins in mode {mode!r} at {y.tolist()}, beyond the guard of switches[{mode!r}][{k}], which is {value:.6g} there"
-        mistake = f"{start}: at t = 0 its reset would make {after.tolist()} of the start"
-        allowed = "allowed is a start at which the guards of its mode are positive"
-        raise InputError("solve", [f"{mistake}; {allowed}; {typed}, or start={after.tolist()} for the state after the reset"])
-
-
-def _beyond(flow: SwitchingFlow, mode: Any, y: Array) -> tuple[int, float] | None:
-    """The first switch of a mode whose guard is below zero at a start, and its guard."""
-    values = [(k, _called(switch.guard, y)) for k, switch in enumerate(flow.switches.get(mode, ()))]
-    return next(((k, float(g[0])) for k, g in values if g is not None and g[0] < 0.0), None)
-
-
-def _called(f: Any, y: Array) -> Array | None:
-    """What a function gives at a start, as an array; None where that is not known."""
-    try:
-        return np.atleast_1d(np.array(f(0.0, y.copy()), float))
-    except Exception:  # said where the run comes to it
-        return None
 
 
 def _lengths(flow: SwitchingFlow, labels: Labels, given: Settings, problems: Problems) -> dict[str, Any]:

@@ -28,7 +28,7 @@ def run(todo: Request) -> Any:
 
 def _run(todo: Request) -> FlowRun:
     flow, y, length = todo.model, todo.start[0], float(todo.lengths[0])
-    done = follow_flow(flow, y, todo.mode, length, growth=False, partial=todo.partial, traced=todo.equations)
+    done = follow_flow(flow, y, todo.modes[0], length, growth=False, partial=todo.partial, traced=todo.equations)
     status = Status.FINISHED.sentence
     if is_stopped() and done.time < length:
         status = interrupted_at(done.time)
@@ -55,7 +55,7 @@ def _summary(todo: Request) -> Summary:
         for k, flow in enumerate(cases_of(todo.model)):
             look()
             why: list[str] = []
-            rows.append(flow_columns(flow, todo.start[k], todo.mode, float(todo.lengths[k]), float(settled[k]), why))
+            rows.append(flow_columns(flow, todo.start[k], todo.modes[k], float(todo.lengths[k]), float(settled[k]), why))
             if why and len(failures) < FAILURES:
                 failures[tuple(map(int, np.unravel_index(k, todo.labels.shape)))] = why[0]
             todo.progress(k + 1, todo.cases)

@@ -34,7 +34,7 @@ class FlowCase:
     start, method
         As for `solve`.
     mode
-        The first one, if it is not the flow's first.
+        The first one; if it is not given the state says which.
     """
 
     period = None  # the time of a flow goes on
@@ -49,7 +49,7 @@ class FlowCase:
         options = {} if mode is None else {"mode": mode}
         asked = flow_request(flow, Settings(start=start, keep="trajectory", samples=4, method=method, duration=1.0, options=options))
         self.model, self._labels, self.unit = flow, list(flow.modes), None if flow.period is None else float(flow.period)
-        self._y, self._mode, self._n = asked.start, asked.mode, asked.start.shape[1]
+        self._y, self._mode, self._n = asked.start, asked.modes[0], asked.start.shape[1]
         self._equations, self.kernel, self._names = flow_engine.flow_kernel(asked.equations, record=True)
         self._known = flow.names(self._n)
 

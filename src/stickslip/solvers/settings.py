@@ -85,7 +85,7 @@ class Request:
     observe: tuple[tuple[str, Observable], ...] = ()
     numbers: dict[str, Any] = field(default_factory=dict)  # of the model
     partial: bool = False  # whether an interruption ends it with what is done
-    mode: Any = None  # in which a flow begins
+    modes: Any = ()  # in which the cases of a flow begin
     equations: Any = None  # of a flow, traced
 
     @property

@@ -92,10 +92,10 @@ def _cases(flow: SwitchingFlow, space: Space, settings: Settings, settle: float 
         except InputError:
             return {"status": Status.BAD_INPUT}
         start, length = todo.start[0], float(todo.lengths[0])
-        columns = flow_columns(todo.model, start, todo.mode, length, float((todo.settle * todo.span)[0]) if settle is None else settle)
+        columns = flow_columns(todo.model, start, todo.modes[0], length, float((todo.settle * todo.span)[0]) if settle is None else settle)
         if settle is None or columns["status"] != 0:
             return columns
-        run = solve(todo.model, duration=length, start=start, mode=todo.mode, keep="trajectory")
+        run = solve(todo.model, duration=length, start=start, mode=todo.modes[0], keep="trajectory")
         return columns | flow_motion_columns(run, settle, todo.model.modes)
 
     good = np.flatnonzero(np.all([np.isfinite(values) for values in varying.values()], axis=0)) if varying else range(space.cases)

@@ -27,6 +27,7 @@ from stickslip.dynamics.stroboscopic.phase_shift import shifted_robots
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over, state_at_rest
 from stickslip.models.switching_flow import is_flow, makes_way
+from stickslip.solvers.flow_starts import places_of_starts
 from stickslip.solvers.request import LARGEST_START
 
 if TYPE_CHECKING:
@@ -247,7 +248,10 @@ def grid_of(axes: dict[str, Array]) -> dict[str, Array]:
 def on_grid(table: dict[str, Array], model: Model) -> Array:
     """The starts of a grid for one robot: array (starts, coordinates); what the grid does not name is as at rest."""
     at = coordinates(model)
-    return from_rest(table, at.names, state_at_rest(model, at)[0])
+    states = from_rest(table, at.names, state_at_rest(model, at)[0])
+    if is_flow(model):
+        states[:, -1] = places_of_starts(model, states[:, :-1])  # type: ignore[arg-type]
+    return states
 
 
 def from_rest(table: dict[str, Array], names: tuple[str, ...], rest: Array) -> Array:

@@ -15,6 +15,7 @@ from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates
 from stickslip.models.state_layout import of_one_contact
 from stickslip.models.switching_flow import is_flow, knows_mode, unknown_mode
 from stickslip.solvers.flow_requests import starts_of
+from stickslip.solvers.flow_starts import starting_modes
 from stickslip.solvers.plain.composed_flows import mode_of_state, mode_of_strobe_state
 from stickslip.solvers.request import LARGEST_START
 
@@ -42,7 +43,7 @@ def _flow_state(start: Any, flow: Any, at: Coordinates) -> Array:
         return start.strobe_state
     if hasattr(start, "mode") and hasattr(start, "state"):
         return np.append(start.state, list(flow.modes).index(start.mode))
-    mode, problems = next(iter(flow.fields)), Problems("start")
+    mode, problems = None, Problems("start")
     if isinstance(start, dict) and "mode" in start:
         mode, start = start["mode"], {name: value for name, value in start.items() if name != "mode"}
         if not knows_mode(flow.start_modes, mode):
@@ -51,6 +52,7 @@ def _flow_state(start: Any, flow: Any, at: Coordinates) -> Array:
         mode, start = mode_of_strobe_state(flow, np.asarray(start, float)), start[:-1]
     state = starts_of(flow, start, Labels(()), problems)[0]
     problems.check()
+    mode = starting_modes(flow, state[None, :], one=True)[0] if mode is None else mode
     return np.append(state, list(flow.modes).index(mode_of_state(flow, state, mode=mode)))
 
 

@@ -26,6 +26,7 @@ from stickslip.models.machine_adapter import MachineAdapter, machine_of
 from stickslip.models.switching_flow import is_flow
 from stickslip.results.segments import intervals_of
 from stickslip.results.steadiness import way_of_machine
+from stickslip.solvers.flow_starts import places_of_starts
 from stickslip.solvers.initial_states import start_of_parts
 from stickslip.solvers.plain.composed_flows import mode_of_strobe_state
 
@@ -210,7 +211,7 @@ def state_at_rest(model: Model, at: Coordinates | None = None) -> Array:
     at = coordinates(model) if at is None else at
     if is_flow(model):
         rest = np.zeros((labels_of(model).cases, len(at.names)))
-        rest[:, -1] = -1.0 if model.contacts else 0.0  # type: ignore[attr-defined]  # what contacts do the state says
+        rest[:, -1] = [places_of_starts(case, rest[:1, :-1])[0] for case in cases_of(model)]
         return rest
     if at.mechanics is not None:
         return states_of_parts("start", model, None, at)
