@@ -16,7 +16,7 @@ from stickslip.basics.status import Status
 from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, PERIODIC, RUNS_AWAY, STEADY, UNDONE, UNSETTLED, UNSOLVED
 from stickslip.dynamics.attractors.period_numbers import LONGEST, POINTS, periods_of, return_tolerance, rows_of_points
 from stickslip.dynamics.exponents.motion_exponents import exponents_from
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, strobe_map, strobe_points
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, Ends, strobe_map, strobe_points
 from stickslip.engine.texts import recurrence
 from stickslip.models.switching_flow import is_flow
 
@@ -29,6 +29,7 @@ NUDGE, NUDGED = 1e-6, 128  # in scales: how far a start is moved aside, and for 
 _EARLY = 24  # drive periods after which it is asked whether a state stands still to the last bit
 _FAR = 1e4  # in scales: a state beyond this, which has grown by half in each of the last stages, runs away
 _ROUNDING = 1e-14  # in scales: what a return to a section makes of a state that comes back
+_NEAR, _NEARER, _RETURNS = 1e-7, 0.5, 8  # of the tolerance of returns; of the distance before; so many returns are looked at
 _WITHIN = 0.37  # of a return: the instant at which a motion that is no rest is somewhere else
 _STILL = 10.0  # times the tolerance of returns: what moves by less stands still
 ROUNDED = 1e-12  # of the longest time of a return: what took so long did not come back
@@ -209,16 +210,43 @@ def _first(model: Model, states: Array, at: Coordinates, settle: int, rtol: floa
 def _still(model: Model, states: Array, at: Coordinates, rtol: float, points: int) -> tuple[Array, ...]:
     """Strobe points, ways and times of those states that the strobe map does not change by a single bit: all later points are the same.
 
-    A section is met to rounding only, and so are states on it.
+    A section is met to rounding only, and runs of one return have other steps than a run of many. A state on it is taken to stay there
+    if it comes back to it much nearer than the time before, by a small part of what counts as one point.
 
     NaN of all others.
     """
     end = strobe_map(model, states, 1, rtol, at)
     still = np.all(end.state == states, axis=1)
     if at.section is not None:
-        still |= at.distance(end.state, states) <= _ROUNDING
-    kept, ways = np.where(still[:, None], states, np.nan), np.where(still, end.displacement, np.nan)
-    times = np.full(len(states), np.nan) if end.duration is None else end.duration
+        return _still_on_a_section(model, states, end, still, at, rtol, points)
+    return _repeated(
+        np.where(still[:, None], states, np.nan), np.where(still, end.displacement, np.nan), np.full(len(states), np.nan), points
+    )
+
+
+def _still_on_a_section(
+    model: Model, states: Array, end: Ends, still: Array, at: Coordinates, rtol: float, points: int
+) -> tuple[Array, ...]:
+    """The same of a section, after its first return."""
+    before = at.distance(end.state, states)
+    still = still | (before <= _ROUNDING)
+    kept = np.where(still[:, None], states, np.nan)
+    ways, times = np.where(still, end.displacement, np.nan), np.array(end.duration, float)
+    rows, begun = np.flatnonzero(~still), end.state[~still]
+    before, near = before[~still], _NEAR * return_tolerance(rtol)
+    for _ in range(_RETURNS):
+        if not len(rows):
+            break
+        after = strobe_map(some_of(model, rows), begun, 1, rtol, at.of(rows))
+        away = at.distance(after.state, begun)
+        come = (after.status <= Status.REPEATS) & (away <= near) & ((away <= _NEARER * before) | (away <= _ROUNDING))
+        kept[rows[come]], ways[rows[come]], times[rows[come]] = after.state[come], after.displacement[come], after.duration[come]
+        rows, begun, before = rows[~come], after.state[~come], away[~come]
+    return _repeated(kept, ways, times, points)
+
+
+def _repeated(kept: Array, ways: Array, times: Array, points: int) -> tuple[Array, ...]:
+    """One point of each start, with its way and its time, as so many."""
     return tuple(np.repeat(each[:, None], points, axis=1) for each in (kept, ways, times))
 
 
