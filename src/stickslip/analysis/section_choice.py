@@ -12,14 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.analysis.state_order import coordinates_in, order_of
+from stickslip.analysis.state_order import order_of, states_of_run
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.basics.fields import floats
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.maths import bisected
-from stickslip.models.machine_adapter import machine_of
-from stickslip.models.switching_flow import is_flow
+from stickslip.models.model_adapter import adapter_of
 
 _SLIGHT = 1e-9  # of a range: what passes a value by less is rounding
 _EVEN = 1e-6  # directions in which a state passes equally fast, but for so much
@@ -83,7 +82,8 @@ def asked_of(what: str, section: Any, names: tuple[str, ...]) -> Asked:
 def asked_for(what: str, section: Any, model: Any) -> Asked:
     """A section of a model as users type it; refused is a position that goes on with the far end of the spring that pulls it."""
     asked = asked_of(what, section, state_names(model))
-    if asked.name in (None, "v") or is_flow(model) or not machine_of(model).is_single or not np.any(machine_of(model).far_end_velocity):
+    far = adapter_of(model).turning_velocity
+    if asked.name in (None, "v") or far is None or not np.any(far):
         return asked
     mistake = f"section = {asked.name!r}, which goes on with the spring's far end"
     raise InputError(what, [f"{mistake}; allowed is the velocity; type section=('v', 0.0)"])
@@ -91,20 +91,23 @@ def asked_for(what: str, section: Any, model: Any) -> Asked:
 
 def state_names(model: Any) -> tuple[str, ...]:
     """Names of the states of a model by which a section may be cut: of a machine velocities and positions, of a flow what comes back."""
-    if is_flow(model):
-        return tuple(name for name in model.states if name not in model.cyclic)
+    left = _left_out(model)
+    known = order_of(model).names if adapter_of(model).has_bodies else model.states
+    return tuple(name for name in known if name not in left)
+
+
+def _left_out(model: Any) -> tuple[str, ...]:
+    """States by which no section is cut: inner states of a machine, and what drifts in a flow."""
+    if not adapter_of(model).has_bodies:
+        return tuple(model.cyclic)
     order = order_of(model)
-    return tuple(name for i, name in enumerate(order.names) if not order.inner.start <= i < order.inner.stop)
+    return order.names[order.inner]
 
 
 def states_in(run: Any, t: Array) -> dict[str, Array]:
     """These states of a run at some instants, by name."""
-    if is_flow(run.model):
-        states = run.at(t)
-        return {name: np.asarray(states[name], float) for name in run.names if name not in run.model.cyclic}
-    order, run = order_of(run.model), run.with_axes
-    columns = coordinates_in(run.model, *run._states_at(t, run._index(t)))
-    return {name: np.asarray(columns[i], float) for i, name in enumerate(order.names) if name in state_names(run.model)}
+    left = _left_out(run.model)
+    return {name: column for name, column in states_of_run(run, t).items() if name not in left}
 
 
 def cut_of(run: Any, asked: Asked | None = None) -> Cut:
@@ -119,8 +122,9 @@ def cut_of(run: Any, asked: Asked | None = None) -> Cut:
     """
     asked = Asked() if asked is None else asked
     free = asked.name in (None, "v") and asked.value is None
-    if free and not is_flow(run.model) and machine_of(run.model).is_single:
-        return Cut("v", float(np.max(machine_of(run.model).far_end_velocity)), -1.0)
+    far = adapter_of(run.model).turning_velocity
+    if free and far is not None:
+        return Cut("v", float(np.max(far)), -1.0)
     t = np.unique(run.t)
     late = t[t >= 0.5 * (t[0] + t[-1])]
     columns = states_in(run, late)
@@ -131,7 +135,7 @@ def cut_of(run: Any, asked: Asked | None = None) -> Cut:
 
 def _widest(run: Any, late: Array, columns: dict[str, Array]) -> str:
     """The state that moves most in its scale: a position where there is one, and none that jumps over the middle of its range."""
-    if is_flow(run.model):
+    if not adapter_of(run.model).has_bodies:
         scales = dict(zip(run.names, np.ones(len(run.names)) if run.model.scales is None else run.model.scales, strict=True))
         smooth = {name: column for name, column in columns.items() if not _jumps(run, name, column)} or columns
         return max(smooth, key=lambda each: float(np.ptp(columns[each])) / float(scales[each]))

@@ -113,6 +113,16 @@ def coordinates_in(model: Model, x: Any, v: Any, z: Any) -> list[Array]:
     return order_of(model).joined(q, u, inner)
 
 
+def states_of_run(run: Any, t: Array) -> dict[str, Array]:
+    """The states of a run at some instants, by name, without what laws remember."""
+    if not run.pieces.layout.bodies:
+        at = run.at(t)
+        return {name: np.asarray(at[name], float) for name in run.names}
+    run = run.with_axes
+    columns = coordinates_in(run.model, *run._states_at(t, run._index(t)))
+    return dict(zip(order_of(run.model).names, (np.asarray(column, float) for column in columns), strict=True))
+
+
 _ANY = "type ss.periodic_orbit(machine), ss.continuation or ss.basins, which take any machine"
 
 

@@ -10,8 +10,8 @@ from stickslip.basics.arguments import Model, explains_arguments
 from stickslip.basics.errors import InputError, is_whole
 from stickslip.basics.interruption import interruptible
 from stickslip.models.machine_adapter import machine_of
+from stickslip.models.model_adapter import adapter_of
 from stickslip.models.state_layout import of_one_contact
-from stickslip.models.switching_flow import is_flow
 from stickslip.records import measures
 from stickslip.records.record import Record
 from stickslip.results import recurrence, steadiness
@@ -234,7 +234,7 @@ def periodic_mean_velocity(model: Model, periods: int = 2000, rtol: float = 1e-1
     >>> round(float(periodic_mean_velocity(robot)), 9)
     0.002032039
     """
-    if is_flow(model):
+    if not adapter_of(model).has_bodies:
         return _mean_of_flows(model, periods)
     if model.period is None:
         return _mean_of_cycles(model, periods, rtol)

@@ -78,6 +78,41 @@ class MachineAdapter:
         own = self.own
         return {dim: names for dim, names in parts.items() if names and dim not in own}
 
+    @property
+    def has_bodies(self) -> bool:
+        """Whether it has bodies; a flow has states of its own instead."""
+        return True
+
+    @property
+    def has_displacement(self) -> bool:
+        """Whether it makes a way, and so has a mean velocity."""
+        return True
+
+    @property
+    def unit_of_time(self) -> str:
+        """The unit of time, in words."""
+        return "second"
+
+    @property
+    def has_tolerance(self) -> bool:
+        """Whether its runs are solved to a tolerance; else they are exact to rounding."""
+        return self.has_inner_states
+
+    @property
+    def memories(self) -> int:
+        """How many whole numbers its laws remember."""
+        return sum(law.modes for law in self.laws)
+
+    @property
+    def turning_velocity(self) -> Any:
+        """Velocity at which one body on a spring turns back, that of the spring's far end [m/s]; None of anything else."""
+        return self.far_end_velocity if self.is_single else None
+
+    @property
+    def has_units(self) -> bool:
+        """Whether the units of its states are known."""
+        return True
+
     @cached_property
     def laws(self) -> tuple[LawAdapter, ...]:
         """The law of each contact."""

@@ -152,7 +152,7 @@ class SwitchingFlow:
         for name, value in own.items():
             object.__setattr__(self, name, value)
         for contact in contacts.values():
-            contact.law(*self._numbers)
+            contact.law(*self.given_once)
 
     @classmethod
     def of_map(
@@ -246,7 +246,7 @@ class SwitchingFlow:
     @cached_property
     def labels(self) -> Mapping[Any, tuple[Any, tuple[int, ...]]]:
         """Every mode, with the mode of its field and what each contact that can rest does there: +1, 0 or -1."""
-        return mode_labels(self.fields, resting_contacts(self.contacts, *self._numbers))
+        return mode_labels(self.fields, resting_contacts(self.contacts, *self.given_once))
 
     @property
     def modes(self) -> tuple[Any, ...]:
@@ -261,16 +261,16 @@ class SwitchingFlow:
     @cached_property
     def inner(self) -> tuple[str, ...]:
         """Names of the inner states of the contacts' laws, which are the last states."""
-        return inner_names(self.contacts, *self._numbers)
+        return inner_names(self.contacts, *self.given_once)
 
     @property
-    def _numbers(self) -> tuple[SimpleNamespace, ...]:
+    def given_once(self) -> tuple[SimpleNamespace, ...]:
         """The numbers as functions take them, of the first case where there are several."""
         return (SimpleNamespace(**{name: float(np.ravel(value)[0]) for name, value in self.numbers.items()}),) if self.numbers else ()
 
     def inner_start(self, y: Array) -> tuple[float, ...]:
         """The inner states of the contacts' laws where nothing has moved them, at a state of the field."""
-        numbers = self._numbers
+        numbers = self.given_once
         laws = [(contact.law(*numbers), contact.normal(0.0, list(map(float, y)), *numbers)) for contact in self.contacts.values()]
         return tuple(float(z) for law, load in laws if law.dynamic for z in law.start(load))
 
@@ -278,7 +278,7 @@ class SwitchingFlow:
     def sizes(self) -> tuple[float, ...]:
         """A typical size of each named state, those of the laws last, against which analyses measure distances."""
         own = (1.0,) * len(self.states or ()) if self.scales is None else self.scales
-        return (*own, *inner_scales(self.contacts, (0.0,) * len(own), *self._numbers))
+        return (*own, *inner_scales(self.contacts, (0.0,) * len(own), *self.given_once))
 
     @property
     def drifts(self) -> CyclicCoordinates:
@@ -303,11 +303,6 @@ _NO_FILE = "the functions of a flow are Python, which no file holds; write them 
 def is_flow(model: Any) -> bool:
     """Whether an object declares fields by modes and the switches between them, as a `SwitchingFlow` does."""
     return isinstance(getattr(model, "fields", None), Mapping) and isinstance(getattr(model, "switches", None), Mapping)
-
-
-def makes_way(model: Any) -> bool:
-    """Whether a model has a displacement: a machine, or a flow with a cyclic coordinate."""
-    return not is_flow(model) or bool(model.cyclic)
 
 
 def _with_numbers(f: Callable[..., Any], n: Any) -> Callable[[Any, Any], Any]:

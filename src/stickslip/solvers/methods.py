@@ -15,7 +15,7 @@ from stickslip.engine.refused import refusal_of
 from stickslip.engine.remembered import Remembered
 from stickslip.engine.tableaux import TABLEAUX
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.switching_flow import is_flow
+from stickslip.models.model_adapter import adapter_of
 
 if TYPE_CHECKING:
     from stickslip.engine.slaved import Series
@@ -242,7 +242,7 @@ class SwitchedSteps:
 
     def accepts(self, model: Model) -> str | None:
         """What declares fields and switches."""
-        return None if is_flow(model) else "it is for flows that switch"
+        return "it is for flows that switch" if adapter_of(model).has_bodies else None
 
     def run(self, todo: Request) -> Trajectory | Summary:
         """Case by case."""
@@ -303,7 +303,7 @@ def method_for(name: str, model: Model, observed: bool = False, pauses: bool = F
     ('TaylorSeries', 'ClosedArcs')
     """
     refusals = {}
-    for method in (_OF_FLOWS,) if is_flow(model) else ALL:
+    for method in ALL if adapter_of(model).has_bodies else (_OF_FLOWS,):
         if name in method.names:
             reason = _BLIND if observed and not method.observes else _ENDLESS if pauses and not method.pauses else _refusal(method, model)
             if reason is None:

@@ -18,9 +18,9 @@ from stickslip.basics.variables import VARIABLES, unit_of
 from stickslip.engine.kinds import check_functions
 from stickslip.models.forces import inner_start
 from stickslip.models.friction.law_adapter import law_of
-from stickslip.models.machine_adapter import is_machine, machine_of
+from stickslip.models.machine_adapter import machine_of
+from stickslip.models.model_adapter import adapter_of, is_model
 from stickslip.models.observables import checked_observables
-from stickslip.models.switching_flow import is_flow
 from stickslip.solvers.initial_states import start_of_parts
 from stickslip.solvers.methods import METHODS
 from stickslip.solvers.settings import Request, Settings, check_duration, check_keep, check_rtol, versions
@@ -28,12 +28,8 @@ from stickslip.solvers.settings import Request, Settings, check_duration, check_
 
 def request(model: Model, settings: Settings) -> Request:
     """Check the arguments of `solve`; everything wrong with them is reported at once."""
-    if is_flow(model):
-        from stickslip.solvers.flow_requests import flow_request
-
-        return flow_request(model, settings)  # type: ignore[arg-type]
     given, problems = settings, Problems("solve")
-    if not is_machine(model):
+    if not is_model(model):
         raise InputError(
             "solve",
             [
@@ -41,6 +37,10 @@ def request(model: Model, settings: Settings) -> Request:
                 "type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4)"
             ],
         )
+    if not adapter_of(model).has_bodies:
+        from stickslip.solvers.flow_requests import flow_request
+
+        return flow_request(model, settings)  # type: ignore[arg-type]
     numbers = _numbers_of(model, problems)
     check_functions(model)
     labels, duration = labels_together(numbers, type(model).__name__), in_seconds(given.duration, problems)

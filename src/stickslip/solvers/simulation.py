@@ -14,7 +14,7 @@ from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.status import Status
 from stickslip.engine.held_lane import ENDED, ROOM, Image
-from stickslip.models.switching_flow import is_flow
+from stickslip.models.model_adapter import adapter_of
 from stickslip.solvers.held_cases import HeldCase
 from stickslip.solvers.held_flows import FlowCase
 from stickslip.solvers.held_machines import MachineCase
@@ -313,16 +313,17 @@ def simulation(
     (2.0, True)
     """
     case = case_of(machine, start, rtol, method, mode)
-    if record and is_flow(machine):
+    if record and not adapter_of(machine).has_bodies:
         raise InputError("simulation", ["record=True is for machines, not for flows; leave it out, and read sim.state after each step"])
     return Simulation(case, record)
 
 
 def case_of(machine: Any, start: Any, rtol: float, method: str, mode: Any) -> Any:
     """What a simulation follows; `InputError` for what is wrong with the arguments."""
-    if mode is not None and not is_flow(machine):
+    bodies = adapter_of(machine).has_bodies
+    if mode is not None and bodies:
         raise InputError("simulation", [f"mode = {mode!r} is for a SwitchingFlow; leave it out: modes of contacts follow from start"])
     try:
-        return FlowCase(machine, start, method, mode) if is_flow(machine) else MachineCase(machine, start, rtol, method)
+        return MachineCase(machine, start, rtol, method) if bodies else FlowCase(machine, start, method, mode)
     except InputError as error:
         raise InputError("simulation", error.problems) from None

@@ -18,7 +18,7 @@ from stickslip.basics.jsontext import as_plain
 from stickslip.basics.unpacking import Allowance
 from stickslip.basics.whole_files import unwritable, write_whole
 from stickslip.engine.held_lane import ALL
-from stickslip.models.switching_flow import is_flow
+from stickslip.models.model_adapter import adapter_of
 from stickslip.results.storage import from_text
 from stickslip.solvers.moments import Moment, first_moment, put, standing_of
 from stickslip.solvers.request import versions
@@ -57,7 +57,7 @@ def _machine_table(sim: Simulation) -> dict[str, Any]:
     """The machine as text, where a file can hold it, and by what it is known again."""
     machine = sim.machine
     text = None
-    if not is_flow(machine):
+    if adapter_of(machine).has_bodies:
         try:
             text = machine.to_toml()
             text = text if from_text(text) == machine else None
@@ -174,7 +174,7 @@ def _moment(table: dict[str, Any], case: Any) -> Moment:
         side.count_way_from(float(way[0]))
         side.states[:], side.memory[:] = states, memory
         side.renumber(row, ALL)
-    if is_flow(case.machine) and not 1 <= round(float(side.memory[0])) <= len(case.machine.modes):
+    if not adapter_of(case.machine).has_bodies and not 1 <= round(float(side.memory[0])) <= len(case.machine.modes):
         raise ValueError("its mode is not one of the flow")
     side.stand(periods, time)
     status = int(table["status"])

@@ -15,7 +15,6 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.interruption import interruptible, look, partial_result, taking_some_cases
 from stickslip.basics.status import Status
-from stickslip.models.switching_flow import is_flow
 from stickslip.studies.execution import Execution
 from stickslip.studies.labelling import coordinates_of_grid, dataset, provenance_of
 from stickslip.studies.models_of_points import starts_at
@@ -24,6 +23,7 @@ from stickslip.studies.progress import Watch
 from stickslip.studies.result_columns import all_failed, empty, part_columns
 from stickslip.studies.running import carried_out, sweep
 from stickslip.studies.solving import solved_points
+from stickslip.studies.space import names_states
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -63,7 +63,7 @@ def map(make: Maker, refine: bool = False, coarse: int = 33, **arguments: Any) -
     >>> bool((grid.status == 102).mean() > 0.6), grid.motion_type.sel(amplitude=6e-4, omega=205, method="nearest").item()
     (True, 'III')
     """
-    if is_flow(make):
+    if names_states(make):
         return _of_flow(make, refine, arguments)
     how = {name: arguments.pop(name) for name in _HOW if name in arguments}
     if refine:

@@ -16,7 +16,6 @@ from stickslip.basics.errors import InputError
 from stickslip.basics.interruption import interruptible, look, partial_result, taking_some_cases
 from stickslip.basics.pool import shared
 from stickslip.basics.status import Status
-from stickslip.models.switching_flow import is_flow
 from stickslip.solvers.methods import takes_closed_arcs
 from stickslip.solvers.settings import Settings
 from stickslip.studies.designs import SweepDesign
@@ -27,6 +26,7 @@ from stickslip.studies.planning import Plan, planned
 from stickslip.studies.progress import Progress, Watch
 from stickslip.studies.result_columns import all_failed, base_of, empty, vacant
 from stickslip.studies.solving import solved_models
+from stickslip.studies.space import names_states
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -135,7 +135,7 @@ def sweep(
         "dwell": dwell,
         "observe": observe,
     }
-    if is_flow(make):
+    if names_states(make):
         from stickslip.studies.flow_sweeps import sweep_of_flow
 
         told = options | {"start": start, "periods": None if duration is not None and periods == 200 else periods}

@@ -14,8 +14,8 @@ from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems, did_you_mean, other_words
 from stickslip.basics.fields import leaves, masked_in
 from stickslip.basics.number_names import numbers_meant
+from stickslip.models.model_adapter import adapter_of, is_model
 from stickslip.models.naming import in_its_unit
-from stickslip.models.switching_flow import is_flow
 from stickslip.studies.designs import SweepDesign
 
 #: Initial values that may also be axes.
@@ -192,13 +192,18 @@ def _as_array(array: Array, given: Any = None) -> Array:
     return words
 
 
+def names_states(make: Any) -> bool:
+    """Whether a maker is a model with states of its own instead of bodies, by which its start is named."""
+    return is_model(make) and not adapter_of(make).has_bodies
+
+
 def check_names(make: Any, given: Sequence[str], options: Sequence[str], problems: Problems) -> None:
     """Note names that a maker does not take, and required ones that are missing."""
     known = _known(make, given, problems)
     if known is None:
         return
     for name in given:
-        starts = () if is_flow(make) else START
+        starts = () if names_states(make) else START
         if name not in known and name not in starts and (callable(make) or not numbers_meant(name, known)):
             hint = other_words(name, None, known) or did_you_mean(name, [*known, *options, *starts])
             problems.add(f"{name!r} is not known; {hint}")
@@ -206,7 +211,7 @@ def check_names(make: Any, given: Sequence[str], options: Sequence[str], problem
 
 def _known(make: Any, given: Sequence[str], problems: Problems) -> list[str] | None:
     """Names that a maker takes; None if it takes any."""
-    if is_flow(make):
+    if names_states(make):
         return [*(name for name, _ in leaves(make)), *(f"start.{name}" for name in make.states or ())]
     if not callable(make):
         if not hasattr(make, "replace"):

@@ -22,7 +22,7 @@ from stickslip.dynamics.attractors.basins import wilson
 from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
 from stickslip.dynamics.attractors.kinds_of_motion import UNDONE
 from stickslip.dynamics.continuation.special_points.accuracy import certain
-from stickslip.models.switching_flow import makes_way
+from stickslip.models.model_adapter import adapter_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -133,9 +133,9 @@ class Atlas(Drawn):
             starts = self.plane.count + point.more
             for k, each in enumerate(point.motions):
                 motion[(*cell, k)], period[(*cell, k)] = each.word, each.period
-                V = each.mean_velocity if makes_way(self.plane.sample) else np.nan
+                V = each.mean_velocity if adapter_of(self.plane.sample).has_displacement else np.nan
                 numbers[(*cell, k)] = [V, each.hits / starts, *wilson(each.hits, starts), *each.state]
-        columns = OF_ATTRACTORS | {name: state_attrs(name, "on the strobe", self.plane.of_flows) for name in names}
+        columns = OF_ATTRACTORS | {name: state_attrs(name, "on the strobe", self.plane.has_units) for name in names}
         return {
             "motion": (motion.astype(str), {"long_name": "motion"}),
             "period": (period, {"units": "1", "long_name": "motion period (0: none, -1: absent)"}),

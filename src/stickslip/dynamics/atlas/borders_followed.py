@@ -16,7 +16,7 @@ from stickslip.dynamics.atlas.parameter_plane import Plane
 from stickslip.dynamics.continuation.branches import Branch, continuation
 from stickslip.dynamics.continuation.special_points.accuracy import Special, certain
 from stickslip.dynamics.continuation.two_parameters import Curve, special_curve
-from stickslip.models.switching_flow import makes_way
+from stickslip.models.model_adapter import adapter_of
 
 _MEANING = {"flip": "a multiplier of -1: the period doubles", "fold": "a multiplier of 1: the motion ends, or turns back unstable"}
 _USUAL, _LONG = 0.02, 0.25  # first steps of a branch across the plane, and of one to the next neighbour
@@ -159,7 +159,7 @@ def follow_borders(
 
 def _kept(branch: Branch, other: float) -> FollowedBranch:
     largest = [float(abs(np.asarray(orbit.multipliers)).max(initial=0.0)) for orbit in branch.orbits]
-    V = [float(orbit.mean_velocity) if makes_way(orbit.model) else np.nan for orbit in branch.orbits]
+    V = [float(orbit.mean_velocity) if adapter_of(orbit.model).has_displacement else np.nan for orbit in branch.orbits]
     values = tuple(map(float, branch.values))
     return FollowedBranch(branch.parameter, other, branch.period, values, tuple(V), tuple(largest), branch.ended)
 

@@ -18,6 +18,7 @@ from stickslip.dynamics.flows.flow_stretches import passage
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle
 from stickslip.dynamics.stroboscopic.strobe_maps import spread_over, state_at_rest
 from stickslip.models.machine_adapter import machine_of
+from stickslip.models.model_adapter import adapter_of
 from stickslip.solvers import solve
 from stickslip.solvers.plain.composed_flows import mode_of_strobe_state
 
@@ -174,9 +175,10 @@ def _named(word: str, kind: str, period: int) -> str:
 
 def _words(plane: Plane, values: Array, states: Array, periods: list[int], times: Array, look: Look) -> list[str]:
     """The type of each motion; of several contacts the pattern of each; of a flow its modes in turn. `times` are those of cycles."""
-    if plane.of_flows or plane.sample.period is None:
+    bodies = adapter_of(plane.sample).has_bodies
+    if not bodies or plane.sample.period is None:
         models = (plane.family.robot(*point) for point in values)
-        called = _modes if plane.of_flows else _cycle
+        called = _cycle if bodies else _modes
         return [called(model, state, p, float(T)) if p else "" for model, state, p, T in zip(models, states, periods, times, strict=True)]
     model = spread_over(plane.family.robots(*values.T), len(states))
     options = {"rtol": look.rtol} if machine_of(model).has_inner_states else {}

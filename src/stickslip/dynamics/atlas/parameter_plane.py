@@ -18,8 +18,8 @@ from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, state_at_rest
+from stickslip.models.model_adapter import adapter_of
 from stickslip.models.naming import in_its_unit
-from stickslip.models.switching_flow import is_flow
 
 Cell = tuple[int, int]
 _COUNTS = (24, 16)  # values where an axis is given by its two ends
@@ -103,9 +103,9 @@ class Plane:
         return on_section(model, self.at, section=self._section, turns=self.asked[1], states=states, groups=owner, what="atlas")
 
     @cached_property
-    def of_flows(self) -> bool:
-        """Whether they are flows."""
-        return is_flow(self.sample)
+    def has_units(self) -> bool:
+        """Whether the units of their states are known."""
+        return adapter_of(self.sample).has_units
 
     @property
     def sample(self) -> Any:

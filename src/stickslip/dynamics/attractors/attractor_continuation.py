@@ -24,7 +24,7 @@ from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.chunked_runs import Report
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, spread_over
-from stickslip.models.switching_flow import is_flow, makes_way
+from stickslip.models.model_adapter import adapter_of
 from stickslip.studies.progress import Watch
 
 if TYPE_CHECKING:
@@ -298,12 +298,12 @@ def _dataset(robots: Family, parameter: str, values: Array, tracks: list[_Track]
             image[i, k] = track.images.get(k, -1)
             numbers[i, k] = [a.mean_velocity, a.share, *a.interval, a.exponent, a.error, *a.state]
     both, model = ("attractor", parameter), robots.robot(values[0])
-    flow = is_flow(model)
+    known = adapter_of(model).has_units
     about = (
         OF_ATTRACTORS
         | {"mean_velocity": velocity_attrs(model)}
         | {name: of_motions(at.section is not None)[name] for name in ("exponent", "error")}
-        | {name: state_attrs(name, "on the strobe" if at.section is None else "on the section", flow) for name in at.names}
+        | {name: state_attrs(name, "on the strobe" if at.section is None else "on the section", known) for name in at.names}
     )
     columns: dict[str, Any] = {name: (both, numbers[..., i], attrs) for i, (name, attrs) in enumerate(about.items())}
     columns |= {
@@ -315,7 +315,7 @@ def _dataset(robots: Family, parameter: str, values: Array, tracks: list[_Track]
         name: ((parameter,), lost[:, i], {"units": "1", "long_name": name_of_end})
         for i, (name, (_, name_of_end)) in enumerate(_LOST.items())
     }
-    if not makes_way(model):
+    if not adapter_of(model).has_displacement:
         del columns["mean_velocity"]
     for name, name_of_end in (("begins", _begins), ("ends", _ends)):
         texts = np.array([name_of_end(track, values) for track in tracks], dtype=str)

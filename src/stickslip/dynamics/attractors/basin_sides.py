@@ -14,7 +14,7 @@ from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, PERIODIC
 from stickslip.dynamics.attractors.motion_features import Features, features_of
 from stickslip.dynamics.attractors.settled_motions import Settled, settled_motions
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, spread_over
-from stickslip.models.switching_flow import is_flow, makes_way
+from stickslip.models.model_adapter import adapter_of
 
 OTHER = 2
 NARROW = 1e-10  # in scales: how near to one another two states on either side of a border are brought
@@ -66,7 +66,8 @@ def judge_between(model: Model, at: Coordinates, settle: int, rtol: float, ends:
 def named_motion(model: Model, motions: Features, i: int) -> str:
     """A motion by its kind, period and mean velocity."""
     kind, period, V = str(motions.kind[i]), int(motions.period[i]), motions.mean_velocity[i]
-    way = f", V = {V:.7g} {'' if is_flow(model) else unit_of('v', model)}".rstrip() if makes_way(model) else ""
+    of = adapter_of(model)
+    way = f", V = {V:.7g} {unit_of('v', model) if of.has_units else ''}".rstrip() if of.has_displacement else ""
     return (f"period {period}" if kind == PERIODIC else kind) + way
 
 

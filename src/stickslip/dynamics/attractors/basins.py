@@ -26,7 +26,7 @@ from stickslip.dynamics.stroboscopic.chunked_runs import Report
 from stickslip.dynamics.stroboscopic.phase_shift import shifted_robots
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over, state_at_rest
-from stickslip.models.switching_flow import is_flow, makes_way
+from stickslip.models.model_adapter import adapter_of
 from stickslip.solvers.flow_starts import places_of_starts
 from stickslip.solvers.request import LARGEST_START
 
@@ -249,7 +249,7 @@ def on_grid(table: dict[str, Array], model: Model) -> Array:
     """The starts of a grid for one robot: array (starts, coordinates); what the grid does not name is as at rest."""
     at = coordinates(model)
     states = from_rest(table, at.names, state_at_rest(model, at)[0])
-    if is_flow(model):
+    if not adapter_of(model).has_bodies:
         states[:, -1] = places_of_starts(model, states[:, :-1])  # type: ignore[arg-type]
     return states
 
@@ -264,8 +264,8 @@ def start_axes(
     what: str, at: Any, starts: dict[str, Any], settle: Any, limit: Any, workers: Any, model: Any = None
 ) -> tuple[dict[str, Array], int]:
     """The axes of a grid of starts, checked, and the limit of their runs in drive periods."""
-    flow, free = is_flow(model), model is not None and model.period is None
-    problems, known = Problems(what), at.names[: at.smooth] if flow else at.names if free else (*at.names, "phase")
+    free = model is not None and model.period is None
+    problems, known = Problems(what), at.start_names if free or not at.has_phase else (*at.start_names, "phase")
     problems.whole("workers", workers, 1, example=2)
     problems.whole("settle", settle, 1, example=300)
     most = checked_limit(problems, settle, limit)
@@ -299,7 +299,7 @@ def _gathered(model: Model, axes: dict[str, Array], settled: Settled, at: Coordi
 
     motions = features_of(model.period, settled, at, by_phase)
     number = motion_numbers(motions, settled.attracted)
-    dims, shape, flow = tuple(axes), tuple(len(axis) for axis in axes.values()), is_flow(model)
+    dims, shape, of = tuple(axes), tuple(len(axis) for axis in axes.values()), adapter_of(model)
     members = [np.flatnonzero(number == k) for k in range(number.max() + 1)]
     order = sorted(range(len(members)), key=lambda k: -len(members[k]))
     rank = np.full(len(members) + 1, -1)
@@ -307,7 +307,7 @@ def _gathered(model: Model, axes: dict[str, Array], settled: Settled, at: Coordi
     cases = int(np.count_nonzero(settled.kind != NOT_COMPUTED))
     columns = {
         "attractor": (dims, rank[number].reshape(shape), {"long_name": "number of the attractor (-1: none)"}),
-        **({"mean_velocity": (dims, motions.mean_velocity.reshape(shape), velocity_attrs(model))} if makes_way(model) else {}),
+        **({"mean_velocity": (dims, motions.mean_velocity.reshape(shape), velocity_attrs(model))} if of.has_displacement else {}),
         "period": (dims, settled.period.reshape(shape), {"units": "1", "long_name": "motion period (0: none, -1: not computed)"}),
         **{
             name: (dims, column.reshape(shape), about)
@@ -317,7 +317,7 @@ def _gathered(model: Model, axes: dict[str, Array], settled: Settled, at: Coordi
         },
     }
     phase = {"long_name": "phase of the drive at the start", "units": "1"}
-    coords = {n: (n, a, phase if n == "phase" else state_attrs(n, "at the start", flow)) for n, a in axes.items()}
+    coords = {n: (n, a, phase if n == "phase" else state_attrs(n, "at the start", of.has_units)) for n, a in axes.items()}
     firsts = [int(members[k][0]) for k in order]
     images = [None] * len(order) if by_phase else mirror_images(model, at, motions, settled.points[firsts, -1], firsts, rtol)
     words = [image_in_words(i, image) for i, image in enumerate(images)]
@@ -342,9 +342,9 @@ def _attractor(
     orbit = None
     with suppress(SolveError, InputError):
         orbit = orbit_near(model, count, state, at) if count and not by_phase else None
-    share, way = len(members) / cases, float(np.mean(motions.mean_velocity[members])) if makes_way(model) else np.nan
+    share, way = len(members) / cases, float(np.mean(motions.mean_velocity[members])) if adapter_of(model).has_displacement else np.nan
     exponent, error = (float(np.mean(each[members])) for each in (settled.exponent, settled.error))
-    unit = "" if is_flow(model) else "m/s"
+    unit = "m/s" if adapter_of(model).has_units else ""
     return Attractor(kind, count, way, state, share, wilson(len(members), cases), orbit, exponent, error, image, unit)
 
 

@@ -23,8 +23,8 @@ from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, over_chunks
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, strobe_map
+from stickslip.models.model_adapter import adapter_of
 from stickslip.models.naming import in_its_unit
-from stickslip.models.switching_flow import is_flow, makes_way
 from stickslip.studies.progress import Watch
 
 if TYPE_CHECKING:
@@ -198,18 +198,18 @@ def _dataset(how: _Look, parameter: str, values: Array, diagram: dict[str, Array
 
     whole, flat = ("direction", parameter, "point"), ("direction", parameter)
     at, model = how.at, how.robots.robot(values[0])
-    flow = is_flow(model)
+    known = adapter_of(model).has_units
     columns: dict[str, Any] = {
-        n: (whole, diagram["points"][..., i], state_attrs(n, "on the strobe" if at.section is None else "on the section", flow))
+        n: (whole, diagram["points"][..., i], state_attrs(n, "on the strobe" if at.section is None else "on the section", known))
         for i, n in enumerate(at.names)
     }
-    if makes_way(model):
-        way = {"units": "1" if flow else "m", "long_name": "displacement in a drive period"}
+    if adapter_of(model).has_displacement:
+        way = {"units": "m" if known else "1", "long_name": "displacement in a drive period"}
         columns["displacement"] = (whole, diagram["displacement"], way)
         columns["mean_velocity"] = (flat, diagram["mean_velocity"], velocity_attrs(model))
     columns["period"] = (flat, diagram["period"], {"units": "1", "long_name": "drive periods until it repeats (0: none, -1: not computed)"})
     columns |= {name: (flat, diagram[name], attributes) for name, attributes in of_motions(at.section is not None).items()}
-    if at.mechanics is None and not flow:
+    if at.mechanics is None and adapter_of(model).has_bodies:
         columns["v_max"] = (flat, diagram["v_max"], {"units": "m/s", "long_name": "largest velocity"})
         columns["v_min"] = (flat, diagram["v_min"], {"units": "m/s", "long_name": "smallest velocity"})
     if at.section is not None:
@@ -220,10 +220,10 @@ def _dataset(how: _Look, parameter: str, values: Array, diagram: dict[str, Array
 
 def velocity_attrs(model: Any) -> dict[str, str]:
     """Unit and name of a mean velocity; nobody knows the units of a flow's states."""
-    return {"units": "1" if is_flow(model) else "m/s", "long_name": "mean velocity"}
+    return {"units": "m/s" if adapter_of(model).has_units else "1", "long_name": "mean velocity"}
 
 
-def state_attrs(name: str, when: str, flow: bool = False) -> dict[str, str]:
+def state_attrs(name: str, when: str, has_units: bool = True) -> dict[str, str]:
     """Unit and name of a coordinate of a strobe state at some time; nobody knows the units of a flow's states.
 
     Examples
@@ -232,8 +232,10 @@ def state_attrs(name: str, when: str, flow: bool = False) -> dict[str, str]:
     ({'units': 'm/s', 'long_name': 'velocity of head at the start'}, 'm', '1')
     """
     letter, _, part = name.partition(".")
-    if flow or letter.startswith("memory"):
-        return {"units": "1", "long_name": f"{name} {when}" if flow else f"what the law remembers {when}, {name}"}
+    if not has_units:
+        return {"units": "1", "long_name": f"{name} {when}"}
+    if letter.startswith("memory"):
+        return {"units": "1", "long_name": f"what the law remembers {when}, {name}"}
     known = {"v": "velocity", "x": "position", "l": "position, less that of the first body,"}
     whose = f" of {part}" if part and letter in known else ""
     return {"units": "m/s" if letter == "v" else "m", "long_name": f"{known.get(letter, f'inner state {name}')}{whose} {when}"}

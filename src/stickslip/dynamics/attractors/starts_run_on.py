@@ -18,10 +18,9 @@ from stickslip.dynamics.attractors.period_numbers import LONGEST, POINTS, period
 from stickslip.dynamics.exponents.motion_exponents import exponents_from
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, Ends, strobe_map, strobe_points
 from stickslip.engine.texts import recurrence
-from stickslip.models.switching_flow import is_flow
 
 if TYPE_CHECKING:
-    from stickslip.models.switching_flow import SwitchingFlow
+    pass
 
 STRETCH = 600  # drive periods over which a motion without a period is looked at
 ERRORS = 3.0  # a positive exponent is so many of its standard errors from zero
@@ -34,7 +33,6 @@ _WITHIN = 0.37  # of a return: the instant at which a motion that is no rest is 
 _STILL = 10.0  # times the tolerance of returns: what moves by less stands still
 ROUNDED = 1e-12  # of the longest time of a return: what took so long did not come back
 _AWAY = 1e-3  # in scales: what moves by more in that time is not about to come to rest
-_HALVINGS = 30  # of a drive period, in search of the instant at which a run ends
 
 
 class WatchedStarts:
@@ -183,10 +181,7 @@ class StartsRun:
                 state[fine] = after[fine]
                 if not fine.any():
                     break
-        last = (
-            np.abs(np.vstack([state, *([_before_end(model, state, self.at.of(rows))] if is_flow(model) else [])])[:, :smooth])
-            / self.at.scales[:smooth]
-        )
+        last = np.abs(np.vstack([state, self.at.of(rows).before_end(model, state)])[:, :smooth]) / self.at.scales[:smooth]
         most = last.reshape(-1, len(rows), smooth).max(axis=(0, 2), initial=0.0)
         return np.asarray(most > np.minimum(_FAR, 1e2 * (1.0 + first.max(axis=1, initial=0.0))))  # squared, a number is soon infinite
 
@@ -258,18 +253,3 @@ def _later(model: Model, states: Array, at: Coordinates, periods: int, rtol: flo
         states, good = end.state, end.status <= Status.REPEATS
     kept, made, times = strobe_points(model, states, points, rtol, at)
     return np.moveaxis(kept, 0, 1), made.T, times.T, good
-
-
-def _before_end(flow: SwitchingFlow, states: Array, at: Coordinates) -> Array:
-    """The last states within the next period before a flow cannot be solved any more, by halving the time."""
-    from stickslip.solvers.flow_engine import ends
-
-    low, high = np.zeros(len(states)), np.ones(len(states))
-    T, last = np.asarray(flow.period if at.section is None else at.section.longest, float), states.copy()
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        y, _, status = ends(flow, states[:, :-1], np.round(states[:, -1]), middle * T)
-        fine = (status <= Status.REPEATS) & np.isfinite(y).all(axis=1)
-        last[fine, :-1] = y[fine]
-        low, high = np.where(fine, middle, low), np.where(fine, high, middle)
-    return last

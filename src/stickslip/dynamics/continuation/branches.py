@@ -28,8 +28,8 @@ from stickslip.dynamics.continuation.special_points.own_events import Event, che
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle
 from stickslip.dynamics.periodic.periodic_orbits import RTOL, PeriodicOrbit, periodic_orbit
 from stickslip.models.machine_adapter import machine_of
+from stickslip.models.model_adapter import adapter_of
 from stickslip.models.naming import in_its_unit
-from stickslip.models.switching_flow import is_flow
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -84,14 +84,16 @@ class Branch(Drawn):
         """The branch as an `xarray.Dataset` over ``point``, with the parameter as a coordinate."""
         import xarray as xr
 
-        flow = is_flow(self.orbits[0].model)
-        single = not flow and machine_of(self.orbits[0].model).is_single
+        of = adapter_of(self.orbits[0].model)
+        single = of.has_bodies and machine_of(self.orbits[0].model).is_single
         coords: dict[str, Any] = {self.parameter: ("point", self.values, self.family.describe(self.parameter))}
         names, when = self.orbits[0].names, "on the strobe" if self.orbits[0].model.period is not None else "at the start of the cycle"
-        columns: dict[str, Any] = {n: ("point", [o.state[i] for o in self.orbits], state_attrs(n, when, flow)) for i, n in enumerate(names)}
+        columns: dict[str, Any] = {
+            n: ("point", [o.state[i] for o in self.orbits], state_attrs(n, when, of.has_units)) for i, n in enumerate(names)
+        }
         known = [name for name in _COLUMNS if (single or name not in _OF_ONE) and hasattr(self.orbits[0], name)]
         columns |= {name: ("point", [getattr(o, name) for o in self.orbits], _COLUMNS.get(name, {})) for name in known}
-        if flow:
+        if not of.has_bodies:
             columns["pattern"] = ("point", [" ".join(map(str, o.pattern)) for o in self.orbits])
         elif single:
             columns["motion_type"] = ("point", [o.type for o in self.orbits])

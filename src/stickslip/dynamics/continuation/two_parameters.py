@@ -27,9 +27,9 @@ from stickslip.dynamics.flows.flow_orbits import FlowOrbit
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle
 from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
 from stickslip.models.machine_adapter import machine_of
+from stickslip.models.model_adapter import adapter_of
 from stickslip.models.naming import in_its_unit
 from stickslip.models.position_dependence import knows_position
-from stickslip.models.switching_flow import is_flow
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -213,7 +213,7 @@ def _orbits(problem: CurveProblem, states: list[Array]) -> tuple[tuple[Any, ...]
 def _is_of_arcs(special: Special) -> bool:
     """Whether it is a border of types of a motion made of arcs whose times are the only unknowns."""
     model = special.orbit.model
-    if is_flow(model) or isinstance(special.orbit, LimitCycle) or special.kind != "type-border":
+    if not adapter_of(model).has_bodies or isinstance(special.orbit, LimitCycle) or special.kind != "type-border":
         return False
     machine = machine_of(model)
     return machine.is_single and not machine.has_inner_states and not knows_position(model)
@@ -224,7 +224,7 @@ def _check_border(special: Special) -> None:
     allowed = f"allowed are {', '.join(CONDITIONS)}, branch-point, grazing, and type-border where rest is exact"
     if special.kind not in ("grazing", "type-border"):
         raise InputError("special_curve", [f"it is a {special.kind}; {allowed}; type ss.continuation at each value"])
-    if special.kind == "type-border" and not is_flow(special.orbit.model) and machine_of(special.orbit.model).has_inner_states:
+    if special.kind == "type-border" and adapter_of(special.orbit.model).has_tolerance:
         names = " and ".join(dict.fromkeys(law.name for law in machine_of(special.orbit.model).laws))
         why = f"it is a type-border under {names}, where types depend on thresholds"
         raise InputError("special_curve", [f"{why}; {allowed}; type ss.continuation at each value"])

@@ -19,9 +19,8 @@ from stickslip.basics.fields import floats
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import Ending, interruptible, look, looking, partial_result
 from stickslip.basics.notebook_display import Drawn, rounded
-from stickslip.dynamics.flows.flow_stretches import passage
+from stickslip.dynamics.flows.flow_stretches import needs_flow, passage
 from stickslip.dynamics.flows.user_functions import coordinates_of_map, of_state
-from stickslip.models.switching_flow import is_flow
 
 _LEAST = 10  # parts of a motion over which an interrupted average is taken at least
 _SHOWN = 200  # points of the record of how they converge, at most
@@ -270,12 +269,10 @@ def lyapunov_of_flow(
     [-0.1, -0.1]
     """
     x = _checked("lyapunov_of_flow", x0, {}, duration=(duration, False), every=(every, False), settle=(settle, True), rtol=(rtol, False))
-    if is_flow(f):
+    if not callable(f):
+        needs_flow("lyapunov_of_flow", f, f"f = {f!r}; allowed is a function that gives the rates of a list of numbers, or a SwitchingFlow")
         logs, every = exponents_of(f, x, mode, duration=duration, settle=settle, every=every, rtol=rtol)
         return gathered(logs, every, "unit of time")
-    if not callable(f):
-        mistake = f"f = {f!r}; allowed is a function that gives the rates of a list of numbers, or a SwitchingFlow"
-        raise InputError("lyapunov_of_flow", [mistake])
     n, slope = len(x), jacobian or (lambda x: of_state(f, x)[1])
 
     def rates(t: float, y: Array) -> Array:

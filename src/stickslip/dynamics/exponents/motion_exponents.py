@@ -26,8 +26,7 @@ from stickslip.dynamics.stroboscopic.chunked_runs import Report, over_chunks
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, flight, refuse_chance, strobe_map, strobe_points, strobe_states
 from stickslip.engine.tangent import tangent_and_volume
-from stickslip.models.machine_adapter import machine_of
-from stickslip.models.switching_flow import is_flow
+from stickslip.models.model_adapter import adapter_of
 from stickslip.solvers.plain.composed_flows import mode_of_strobe_state
 from stickslip.studies.progress import Watch
 
@@ -110,7 +109,7 @@ def exponents_along(
     """The exponents of `lyapunov`, and whether they are averages over fewer periods, as it was interrupted."""
     if at.section is not None:
         return _between_returns(model, periods, settle, start, rtol, progress, at)
-    if is_flow(model):
+    if not adapter_of(model).has_bodies:
         return _of_flow(model, periods, settle, start), False
     state = state_after(model, start, settle, rtol)
     run = flight(model, state[0], _ALIGN, rtol)  # its growth is left out: the frame turns into place
@@ -139,7 +138,7 @@ def _between_returns(
     d, state, scales = at.smooth - len(at.drifts.free), states_of(start, model), at.scales[: at.smooth]
     state = strobe_map(model, state, settle, rtol, at).state if settle else state
     Q, parts, watch = np.eye(d), -_ALIGN, Watch(periods, progress)
-    growth = partial(_growth_of_flow, model) if is_flow(model) else partial(_growth_of_machine, model, scales, rtol)
+    growth = partial(_growth_of_machine, model, scales, rtol) if adapter_of(model).has_bodies else partial(_growth_of_flow, model)
     logs: list[Array] = []
     times: list[float] = []
     with partial_result() as ending:
@@ -155,7 +154,7 @@ def _between_returns(
             parts += count
             watch.finished(0, np.zeros(max(count if parts > 0 else 0, 0), int))
     ending.needs(parts >= _LEAST)
-    exponents = _summary(np.array(logs[_ALIGN:]), float(np.mean(times[_ALIGN:])), "unit of time" if is_flow(model) else "second")
+    exponents = _summary(np.array(logs[_ALIGN:]), float(np.mean(times[_ALIGN:])), adapter_of(model).unit_of_time)
     notes = ending.note(f"averages over {parts} of {periods} returns"), exponents.note
     return replace(exponents, note="; ".join(filter(None, notes))), ending.interrupted
 
@@ -196,11 +195,10 @@ def state_after(model: Model, start: Any, settle: int, rtol: float, at: Coordina
 def check_exponents(model: Model, periods: Any, settle: Any) -> None:
     """Refuse what has no exponents here, and lengths that are none."""
     needs_model("lyapunov", model, flows=True, sections=True)
-    if not is_flow(model):
-        refuse_chance(machine_of(model))
-        if why := not_followed(model):
-            hint = "type ss.dynamics.largest_exponents(machine) for the largest exponent, from neighbours"
-            raise InputError("lyapunov", [f"perturbations are not propagated here, as {why}; {hint}"])
+    refuse_chance(adapter_of(model))
+    if adapter_of(model).has_bodies and (why := not_followed(model)):
+        hint = "type ss.dynamics.largest_exponents(machine) for the largest exponent, from neighbours"
+        raise InputError("lyapunov", [f"perturbations are not propagated here, as {why}; {hint}"])
     problems = Problems("lyapunov")
     problems.whole("periods", periods, _LEAST, example=2000)
     problems.whole("settle", settle, 0, example=200)

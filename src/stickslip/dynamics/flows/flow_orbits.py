@@ -14,12 +14,12 @@ from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.basics.errors import InputError, Problems, SolveError, is_whole
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible
-from stickslip.dynamics.flows.flow_stretches import Passage, passage, started
+from stickslip.dynamics.flows.flow_stretches import Passage, needs_flow, passage, started
 from stickslip.dynamics.flows.user_functions import value_and_slopes
 from stickslip.dynamics.periodic.closed_orbits import Repeating, multipliers_of
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.normal_loads import normal_load
-from stickslip.models.switching_flow import Switch, SwitchingFlow, is_flow
+from stickslip.models.switching_flow import Switch, SwitchingFlow
 from stickslip.solvers.plain.composed_flows import composed, mode_of_state, mode_of_strobe_state
 
 _STILL = 1e-9  # of the size of the state: what moves by less stands still
@@ -198,11 +198,12 @@ def flow_orbit(
 
 def _checked(flow: Any, state: Any, mode: Any, periods: Any, duration: Any, settle: Any, most: Any, rtol: Any, method: Any) -> Array:
     """The guess; an error where something else was given."""
+    needs_flow("flow_orbit", flow, f"{flow!r} is not a flow; allowed is a SwitchingFlow")
     problems = Problems("flow_orbit")
     problems.whole("periods", periods, 1, example=1, what=" of periods of the forcing")
     problems.whole("settle", settle, 0, example=20)
     problems.whole("most", most, 1, example=30)
-    free = is_flow(flow) and flow.period is None
+    free = flow.period is None
     if free and duration is None:
         problems.add("the flow has no period; give duration=, a guess of the orbit's period")
     if free and is_whole(periods) and periods > 1:

@@ -122,14 +122,18 @@ def passage(
     return Passage(done.state, done.mode, done.time, done.events, done.growth, done.rank_deficient, low, high)
 
 
+def needs_flow(what: str, value: Any, mistake: str) -> None:
+    """Say what is wrong where something else than a flow was given."""
+    if not is_flow(value):
+        raise InputError(what, [f"{mistake}; type ss.SwitchingFlow({{0: lambda t, y: (y[1], -y[0])}})"])
+
+
 def started(
     flow: Any, state: Any, mode: Any, duration: Any, begin: Any, rtol: Any, switches: Any, what: str = "passage", method: Any = "auto"
 ) -> Array:
     """The state at the start; an error that says everything that is wrong with what was given."""
     problems = Problems(what)
-    if not is_flow(flow):
-        mistake = f"{flow!r} is not a flow; allowed is a SwitchingFlow"
-        raise InputError(what, [f"{mistake}; type ss.SwitchingFlow({{0: lambda t, y: (y[1], -y[0])}})"])
+    needs_flow(what, flow, f"{flow!r} is not a flow; allowed is a SwitchingFlow")
     y = np.atleast_1d(np.array(floats(state)))
     if y.ndim != 1 or not len(y) or not np.isfinite(y).all():
         problems.add(f"state = {state!r}; allowed is a list of finite numbers, one for each coordinate; type for example [0.5, 0.0]")

@@ -61,8 +61,7 @@ class Section:
         T = U[:, -1] * unit
         good = np.isfinite(T) & (T > 0)
         ends = flow_map(model, self.states(model, at, U, memory), np.where(good, T, 1.0), rtol).state.copy()
-        if machine_of(model).is_single:
-            ends[:, 0] -= far_end(model) * T
+        ends[:, 0] -= far_end(model) * T
         return np.where(good[:, None], ends, np.nan)
 
     def misses(self, model: Model, at: Coordinates, U: Array, memory: Array, rtol: float, unit: float) -> Array:
@@ -80,7 +79,8 @@ def far_end(model: Model) -> Array:
 
 def section_of(model: Model, cut: Cut) -> Section:
     """The section of a cycle that is cut there: a turning point of the spring is kept as such, and goes with the speed of its far end."""
-    if machine_of(model).is_single and cut.name == "v" and cut.value == float(np.max(far_end(model))):
+    turning = machine_of(model).turning_velocity
+    if turning is not None and cut.name == "v" and cut.value == float(np.max(turning)):
         return TURN
     return Section(coordinates(model).names.index(cut.name), float(cut.value))
 
@@ -88,11 +88,9 @@ def section_of(model: Model, cut: Cut) -> Section:
 def states_of_returns(run: Trajectory, t: Array) -> Array:
     """The states at some instants of a run, with what laws remember; a spring is measured from its far end."""
     states = []
-    single = machine_of(run.model).is_single
     for instant in t:
         state = state_at(run, float(instant))
-        if single:
-            state = np.concatenate([[state[0] - far_end(run.model) * instant], state[1:]])
+        state[0] -= far_end(run.model) * instant
         piece = min(int(np.searchsorted(run.pieces.t, instant, side="right")) - 1, len(run.pieces.mode) - 1)
         states.append(np.concatenate([state, np.ravel(np.asarray(run.pieces.memory[piece], float))]))
     return np.array(states)

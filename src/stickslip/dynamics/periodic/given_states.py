@@ -12,8 +12,9 @@ from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import floats, number
 from stickslip.dynamics.periodic.closed_orbits import ClosedMotion
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, state_at_rest, states_of_parts, strobe_states
+from stickslip.models.model_adapter import adapter_of
 from stickslip.models.state_layout import of_one_contact
-from stickslip.models.switching_flow import is_flow, knows_mode, unknown_mode
+from stickslip.models.switching_flow import knows_mode, unknown_mode
 from stickslip.solvers.flow_requests import starts_of
 from stickslip.solvers.flow_starts import starting_modes
 from stickslip.solvers.plain.composed_flows import mode_of_state, mode_of_strobe_state
@@ -27,7 +28,7 @@ def states_of(start: Any, model: Model) -> Array:
         return rest
     if isinstance(start, (list, np.ndarray)) and (table := floats(start)).shape == rest.shape:
         return np.array(_checked(start, table, at))
-    if is_flow(model):
+    if not adapter_of(model).has_bodies:
         return np.tile(_flow_state(start, model, at), (len(rest), 1))
     if isinstance(start, dict) and at.mechanics is not None:
         return _checked(start, states_of_parts("start", model, start), at)

@@ -38,7 +38,8 @@ from stickslip.dynamics.stroboscopic.strobe_maps import (
     with_rests,
 )  # fmt: skip
 from stickslip.models.machine_adapter import is_machine, machine_of
-from stickslip.models.switching_flow import SwitchingFlow, is_flow
+from stickslip.models.model_adapter import adapter_of
+from stickslip.models.switching_flow import SwitchingFlow
 from stickslip.solvers.plain.composed_flows import mode_of_strobe_state
 
 if TYPE_CHECKING:
@@ -276,7 +277,7 @@ def periodic_orbit(
     if model.period is None:
         return cycle_shown(model, period, guess, section)
     period = 1 if period is None else int(period)
-    if is_flow(model):
+    if not adapter_of(model).has_bodies:
         return _orbit_of_flow(model, period, guess)
     at, tried, beyond = coordinates(model), list[Root](), tuple[str, ...]()
     for state in _from_rest(model, int(period), at) if guess is None else [states_of(guess, model)[0]]:
@@ -298,7 +299,7 @@ def orbit_near(model: Model, period: int, state: Array, at: Coordinates) -> Peri
     if at.section is None:
         return periodic_orbit(model, period, guess=state)
     took = float(strobe_map(model, state[None, :], period, 1e-10, at).duration[0])
-    if is_flow(model):
+    if not adapter_of(model).has_bodies:
         return cycle_of_flow(model, state, took, at)
     turns = machine_of(model).is_single and at.section.name == "v"
     section = TURN if turns else Section(at.section.index, float(at.section.value))

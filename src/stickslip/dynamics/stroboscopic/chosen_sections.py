@@ -16,7 +16,7 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.stroboscopic.return_maps import ReturnSection
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, flow_map, state_at, state_at_rest
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.switching_flow import is_flow
+from stickslip.models.model_adapter import adapter_of
 from stickslip.solvers.plain.composed_flows import composed, mode_of_strobe_state
 
 LONGEST_RETURN = 60.0  # times the model's own time: how long a return may take before it is one that does not come back
@@ -103,13 +103,10 @@ def _begun(model: Any, states: Any, groups: Any, shown: Shown) -> tuple[Array, A
 
 def _where_the_spring_turns(model: Any, asked: Asked) -> tuple[Cut, Any] | None:
     """Of one body on a spring its turning point, with the longest return; None of anything else, or where something else is asked for."""
-    if is_flow(model) or not machine_of(model).is_single:
+    far = adapter_of(model).turning_velocity
+    if far is None or asked.value is not None or asked.name not in (None, "v"):
         return None
-    machine = machine_of(model)
-    far, longest = np.asarray(machine.far_end_velocity, float), LONGEST_RETURN * np.asarray(machine.time_scale, float)
-    if asked.value is None and asked.name in (None, "v"):
-        return Cut("v", far, -1.0), longest  # type: ignore[arg-type]
-    return None
+    return Cut("v", np.asarray(far, float), -1.0), LONGEST_RETURN * np.asarray(machine_of(model).time_scale, float)  # type: ignore[arg-type]
 
 
 @sealed
@@ -191,7 +188,7 @@ def _passed_by_all(model: Any, at: Coordinates, asked: Asked, first: Shown, stat
 
 def _shown(model: Any, at: Coordinates, asked: Asked, state: Array) -> Shown:
     """What the run of one start shows."""
-    if not is_flow(model):
+    if adapter_of(model).has_bodies:
         longest = LONGEST_RETURN * float(np.max(_time_of(model)))
         run = _run_of(model, at, state, longest)
         cut = cut_of(run, asked)
@@ -223,9 +220,7 @@ def _run_of(model: Any, at: Coordinates, state: Array, duration: float) -> Any:
     """The run of a start."""
     from stickslip.solvers import solve
 
-    if is_flow(model):
-        return solve(model, duration=duration, start=state[:-1], mode=mode_of_strobe_state(model, state), keep="trajectory")
-    return solve(model, duration=duration, start=at.start(state), keep="trajectory")
+    return solve(model, duration=duration, keep="trajectory", **at.begun(model, state))
 
 
 def _late(run: Any) -> dict[str, Array]:

@@ -16,7 +16,7 @@ from stickslip.basics.contracts import Array, Model, Numeric
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, flow_map, strobe_map
 from stickslip.models.friction.law_adapter import TINY
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.switching_flow import is_flow
+from stickslip.models.model_adapter import adapter_of
 
 STEP = 1e-6  # half the distance of two starts, in scales
 _BEYOND = 1e-8  # in scales: rounding may take a state so far beyond a limit
@@ -67,7 +67,7 @@ def open_sides(model: Model, state: Array, step: float = STEP, at: Coordinates |
     """
     at = coordinates(model) if at is None else at
     sides = np.ones((at.smooth, 2), bool)
-    if is_flow(model) or not at.memories:
+    if not adapter_of(model).memories:
         return sides
     for i, shift in enumerate(np.eye(at.smooth, len(at.names)) * (step * at.scales)):
         lower, upper = _guards(model, at, state - shift), _guards(model, at, state + shift)
@@ -96,7 +96,7 @@ def beyond_limits(model: Model, state: Array) -> tuple[str, ...]:
     No run leads there, but a guess may: where the limits of the model that it is taken from are wider.
     """
     at = coordinates(model)
-    if is_flow(model) or not at.memories:
+    if not adapter_of(model).memories:
         return ()
     shifts = np.eye(at.smooth, len(at.names)) * (_BEYOND * at.scales)
     around = [(_guards(model, at, state - shift), _guards(model, at, state + shift)) for shift in shifts]

@@ -13,8 +13,8 @@ from stickslip.basics.errors import InputError
 from stickslip.basics.fields import leaves
 from stickslip.basics.forward_ad import slopes_of, variables
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, largest_size
-from stickslip.models.machine_adapter import is_machine, machine_of
-from stickslip.models.switching_flow import is_flow
+from stickslip.models.machine_adapter import machine_of
+from stickslip.models.model_adapter import adapter_of, is_model
 
 
 def needs_model(what: str, model: Model, driven: bool = True, batch: bool = False, flows: bool = False, sections: bool = False) -> None:
@@ -22,17 +22,17 @@ def needs_model(what: str, model: Model, driven: bool = True, batch: bool = Fals
 
     With `sections` a machine or flow without a period is looked at on a section.
     """
-    flow = is_flow(model)
+    if not is_model(model):
+        raise InputError(
+            what, [f"{model!r} is not a model; allowed is a Robot; type ss.{what}(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4))"]
+        )
+    flow = not adapter_of(model).has_bodies
     if flow and not flows:
         taken = (
             "type ss.solve, ss.periodic_orbit, ss.continuation, ss.basins, ss.atlas, ss.bifurcation, ss.lyapunov or ss.verdict, "
             "which take a flow"
         )
         raise InputError(what, [f"it is a flow without bodies and contacts; allowed are machines; {taken}"])
-    if not flow and not is_machine(model):
-        raise InputError(
-            what, [f"{model!r} is not a model; allowed is a Robot; type ss.{what}(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4))"]
-        )
     if not batch and any(np.ndim(value) for _, value in leaves(model)):
         kind = "flow" if flow else "robot"
         mistake = f"the {kind} is a batch (some of its numbers are arrays); allowed is one {kind}; type each number as a single value"

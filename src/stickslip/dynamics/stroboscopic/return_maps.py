@@ -18,7 +18,7 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.status import Status
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, Ends, ends_of_flow, map_method, spread_over
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.switching_flow import is_flow
+from stickslip.models.model_adapter import adapter_of
 
 _ON = 1e-9  # of a coordinate's scale: a start that is so near to the section is on it
 
@@ -85,7 +85,7 @@ class ReturnSection:
 def return_map(model: Model, rtol: float, at: Coordinates) -> Callable[[Array, int], Ends]:
     """The return map of a model as a function of states, one for each case of the model, and of returns."""
     table: Any = None
-    if is_flow(model):
+    if not adapter_of(model).has_bodies:
         return lambda states, returns: _returned_by_flow(model, states, returns * at.section.turns, at)
 
     def mapped(states: Array, returns: int) -> Ends:
@@ -131,8 +131,7 @@ def _returned(model: Model, states: Array, returns: int, rtol: float, at: Coordi
     state = np.hstack([np.where(good[:, None], y, np.nan), results.memory[:, : states.shape[1] - at.smooth]])
     way = _way(model, results, table, at, positions.shape[1]) + table.carried * duration
     offset = table.offsets[:, 0]
-    if machine_of(model).is_single:
-        state[:, 0] -= np.where(good, machine_of(model).far_end_velocity * duration, 0.0)
+    state[:, 0] -= np.where(good, machine_of(model).far_end_velocity * duration, 0.0)
     status = np.where(returned, int(Status.FINISHED), results.status)
     return Ends(state, way, status, results.wide_max + offset, results.wide_min + offset, duration=duration), table
 

@@ -14,16 +14,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.analysis.state_order import Order, coordinates_in, numbered_names, order_of
+from stickslip.analysis.state_order import Order, coordinates_in, numbered_names, order_of, states_of_run
 from stickslip.basics.batch import cases_of, labels_of, spread_over_cases
 from stickslip.basics.contracts import Array, ArrayLike, Model
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.status import Status
 from stickslip.models.cyclic_coordinates import CyclicCoordinates
 from stickslip.models.forces import inner_start
 from stickslip.models.machine_adapter import MachineAdapter, machine_of
-from stickslip.models.switching_flow import is_flow
+from stickslip.models.model_adapter import ModelAdapter, adapter_of
 from stickslip.results.segments import intervals_of
 from stickslip.results.steadiness import way_of_machine
 from stickslip.solvers.flow_starts import places_of_starts
@@ -38,6 +39,7 @@ _PARTS_OF_A_WAVE = (0.07, 0.23, 0.41, 0.59, 0.83)  # of a wavelength and a perio
 _SAME_PLACE = 1e-9
 _DWELL = 0.03  # of a period: how long elastic contact lasts that counts as rest
 _RESTS = 1e-13  # of the velocity scale: a slip that is rounding
+_HALVINGS = 30  # of a drive period, in search of the instant at which a run ends
 _FINEST = 1e-12  # tolerance of series on the slow manifold: below it two sweeps differ by rounding
 
 
@@ -115,6 +117,43 @@ class Coordinates:
             start |= {what: {name: each[..., 0] if each.shape[-1] == 1 else each for name, each in named.items()}} if named else {}
         return start
 
+    def begun(self, model: Any, state: Array) -> dict[str, Any]:
+        """What `solve` takes to begin a run in a state."""
+        return {"start": self.start(state)}
+
+    def at_rest(self, model: Any) -> Array:
+        """The states in which runs from rest begin (cases, coordinates)."""
+        if self.mechanics is not None:
+            return states_of_parts("start", model, None, self)
+        z = inner_start(model)
+        states = np.zeros((len(z), len(self.names)))
+        states[:, self.smooth - z.shape[1] : self.smooth] = z
+        return states
+
+    def map_of(self, model: Any, rtol: float) -> Callable[[Array, int], Ends]:
+        """The strobe map of a model as a function of states and of periods."""
+        if not all(law.compiles for law in machine_of(model).laws):
+            return lambda states, periods: _one_by_one(model, states, periods, rtol)
+        return partial(_by_arcs, model) if has_arcs(model) else _map_by_lanes(model, rtol, self)
+
+    def after(self, model: Any, states: Array, duration: Array, rtol: float) -> Ends:
+        """The states of a model without a period after some time."""
+        if not all(law.compiles for law in machine_of(model).laws):
+            name, why = type(model.friction).__name__, "it cannot be compiled, and cycles are looked for by the compiled solvers"
+            raise InputError(name, [f"{why}; take another law"])
+        return _ended(model, *run_lanes(model, states, 1, rtol, duration), 1)
+
+    has_phase = True  # whether a start may be given with the phase of the drive
+
+    @property
+    def start_names(self) -> tuple[str, ...]:
+        """Names of what may be given of a start."""
+        return self.names
+
+    def before_end(self, model: Any, states: Array) -> Array:
+        """The last states before a run could not be followed on, where they are known."""
+        return np.empty((0, len(self.names)))
+
     def difference(self, a: Any, b: Any) -> Any:
         """One state less another; of positions on a track that repeats, and of cyclic coordinates, modulo their length."""
         difference = np.asarray(a, float) - np.asarray(b, float)
@@ -129,6 +168,51 @@ class Coordinates:
     def distance(self, a: Any, b: Any) -> Any:
         """The largest difference of two states in their scales."""
         return np.max(abs(self.difference(a, b)) / self.scales, axis=-1)
+
+
+@sealed
+class FlowCoordinates(Coordinates):
+    """Those of a flow that switches: its states by their names, and the place of its mode among its modes, which is a memory."""
+
+    def begun(self, model: Any, state: Array) -> dict[str, Any]:
+        """What `solve` takes to begin a run in a state."""
+        state = np.asarray(state, float)
+        return {"start": state[:-1], "mode": mode_of_strobe_state(model, state)}
+
+    def at_rest(self, model: Any) -> Array:
+        """All states zero, in the mode in which a run begins there."""
+        rest = np.zeros((labels_of(model).cases, len(self.names)))
+        rest[:, -1] = [places_of_starts(case, rest[:1, :-1])[0] for case in cases_of(model)]
+        return rest
+
+    def map_of(self, model: Any, rtol: float) -> Callable[[Array, int], Ends]:
+        """The strobe map, which is exact to rounding."""
+        return lambda states, periods: _of_flow(model, states, periods * np.asarray(model.period, float))
+
+    def after(self, model: Any, states: Array, duration: Array, rtol: float) -> Ends:
+        """The states after some time."""
+        return _of_flow(model, states, duration)
+
+    has_phase = False
+
+    @property
+    def start_names(self) -> tuple[str, ...]:
+        """Names of its states; the mode follows."""
+        return self.names[: self.smooth]
+
+    def before_end(self, model: Any, states: Array) -> Array:
+        """The last states within the next period before a flow cannot be solved any more, by halving the time."""
+        from stickslip.solvers.flow_engine import ends
+
+        low, high = np.zeros(len(states)), np.ones(len(states))
+        T, last = np.asarray(model.period if self.section is None else self.section.longest, float), states.copy()
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            y, _, status = ends(model, states[:, :-1], np.round(states[:, -1]), middle * T)
+            fine = (status <= Status.REPEATS) & np.isfinite(y).all(axis=1)
+            last[fine, :-1] = y[fine]
+            low, high = np.where(fine, middle, low), np.where(fine, high, middle)
+        return last
 
 
 @sealed
@@ -161,7 +245,7 @@ def coordinates(model: Model) -> Coordinates:
     >>> coordinates(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4)).names
     ('v', 'z')
     """
-    if is_flow(model):
+    if not adapter_of(model).has_bodies:
         return coordinates_of_flow(model)
     machine = machine_of(model)
     order = order_of(model, machine)
@@ -208,17 +292,7 @@ def state_at_rest(model: Model, at: Coordinates | None = None) -> Array:
     >>> state_at_rest(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[5e-4, 6e-4])).tolist()
     [[0.0, 0.0], [0.0, 0.0]]
     """
-    at = coordinates(model) if at is None else at
-    if is_flow(model):
-        rest = np.zeros((labels_of(model).cases, len(at.names)))
-        rest[:, -1] = [places_of_starts(case, rest[:1, :-1])[0] for case in cases_of(model)]
-        return rest
-    if at.mechanics is not None:
-        return states_of_parts("start", model, None, at)
-    z = inner_start(model)
-    states = np.zeros((len(z), len(at.names)))
-    states[:, at.smooth - z.shape[1] : at.smooth] = z
-    return states
+    return (coordinates(model) if at is None else at).at_rest(model)
 
 
 def states_of_parts(what: str, model: Model, start: Any, at: Coordinates | None = None) -> Array:
@@ -248,7 +322,7 @@ def largest_size(value: Any) -> float:
 def spread_over(model: Model, cases: int) -> Any:
     """A single case as a batch of `cases` equal ones; a batch stays what it is."""
     numbers = dict(leaves(model))
-    if is_flow(model) or any(np.ndim(value) for value in numbers.values()):
+    if not adapter_of(model).has_bodies or any(np.ndim(value) for value in numbers.values()):
         return model
     name = next(iter(numbers))
     return replace_leaf(model, {name: np.full(cases, float(numbers[name]))})
@@ -290,17 +364,11 @@ def strobe_map(
 
 def _map_of(model: Model, rtol: float, at: Coordinates | None) -> Callable[[Array, int], Ends]:
     """The strobe map of a model as a function of as many states each time, and of periods; what it depends on is asked once."""
-    if not is_flow(model):
-        refuse_chance(machine_of(model))
+    refuse_chance(adapter_of(model))
     if at is not None and at.section is not None:
         returned: Callable[[Array, int], Ends] = at.section.map_of(model, rtol, at)
         return returned
-    if is_flow(model):
-        return lambda states, periods: _of_flow(model, states, periods * np.asarray(model.period, float))
-    machine = machine_of(model)
-    if not all(law.compiles for law in machine.laws):
-        return lambda states, periods: _one_by_one(model, states, periods, rtol)
-    return partial(_by_arcs, model) if has_arcs(model) else _map_by_lanes(model, rtol, coordinates(model) if at is None else at)
+    return (coordinates(model) if at is None else at).map_of(model, rtol)
 
 
 def _map_by_lanes(model: Model, rtol: float, at: Coordinates) -> Callable[[Array, int], Ends]:
@@ -315,7 +383,7 @@ def _map_by_lanes(model: Model, rtol: float, at: Coordinates) -> Callable[[Array
     return mapped
 
 
-def refuse_chance(machine: MachineAdapter) -> None:
+def refuse_chance(machine: ModelAdapter) -> None:
     """`InputError` for a machine with a law of chance."""
     random = next((law.name for law in machine.laws if law.random), None)
     if random is not None:
@@ -413,7 +481,7 @@ def coordinates_of_flow(flow: Any) -> Coordinates:
         )
     names = flow.names(len(flow.states) + len(flow.inner))
     order = Order(names, slice(0, len(names)), slice(len(names), len(names)), slice(0, 0), (), False)
-    return Coordinates((*names, "mode"), np.append(flow.sizes, 1.0), order, 1, drifts=flow.drifts)
+    return FlowCoordinates((*names, "mode"), np.append(flow.sizes, 1.0), order, 1, drifts=flow.drifts)
 
 
 def _of_flow(flow: Any, states: Array, duration: Any) -> Ends:
@@ -446,13 +514,7 @@ def flow_map(model: Any, states: Array, duration: Any, rtol: float = 1e-12) -> E
     [[0.1, 0.1], [0.2, 0.1]]
     """
     states = np.atleast_2d(np.asarray(states, float))
-    if is_flow(model):
-        return _of_flow(model, states, np.asarray(duration, float))
-    if not all(law.compiles for law in machine_of(model).laws):
-        raise InputError(
-            type(model.friction).__name__, ["it cannot be compiled, and cycles are looked for by the compiled solvers; take another law"]
-        )
-    return _ended(model, *run_lanes(model, states, 1, rtol, np.asarray(duration, float)), 1)
+    return coordinates(model).after(model, states, np.asarray(duration, float), rtol)
 
 
 def _by_arcs(model: Model, states: Array, periods: int) -> Ends:
@@ -481,12 +543,8 @@ def flight(model: Any, state: Array, periods: int = 1, rtol: float = 1e-12) -> A
     """The trajectory from a strobe state, with its dense output and its events."""
     from stickslip.solvers import solve
 
-    if is_flow(model):
-        state = np.asarray(state, float)
-        mode = mode_of_strobe_state(model, state)
-        return solve(model, periods=periods, settle=0, start=state[:-1], mode=mode, keep="trajectory")
-    options = {"rtol": rtol} if machine_of(model).has_inner_states else {}
-    return solve(model, periods=periods, settle=0, start=coordinates(model).start(state), keep="trajectory", **options)
+    options = {"rtol": rtol} if adapter_of(model).has_tolerance else {}
+    return solve(model, periods=periods, settle=0, keep="trajectory", **coordinates(model).begun(model, state), **options)
 
 
 def strobe_states(run: Any) -> Array:
@@ -498,11 +556,7 @@ def strobe_states(run: Any) -> Array:
 
 def state_at(run: Any, t: float) -> Array:
     """The state within a run at one time, in the order of `coordinates`, without what laws remember."""
-    if is_flow(run.model):
-        states = run.at(t)
-        return np.array([states[name] for name in run.names])
-    run, times = run.with_axes, np.array([t])
-    return np.column_stack(coordinates_in(run.model, *run._states_at(times, run._index(times))))[0]
+    return np.array([column[0] for column in states_of_run(run, np.array([t])).values()])
 
 
 def position_of(run: Trajectory) -> Array:

@@ -13,7 +13,7 @@ from stickslip.basics.errors import InputError
 from stickslip.dynamics.continuation.branches import Branch
 from stickslip.dynamics.stroboscopic.strobe_maps import strobe_states
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.switching_flow import is_flow
+from stickslip.models.model_adapter import adapter_of
 from stickslip.show.figures.special_kinds import marker_of, name_once
 from stickslip.show.figures.style import COLOURS, INK, axes, axis_label, dot_size, drawing, labelled, legend_above, scaled
 
@@ -107,7 +107,7 @@ def _usual(branch: Any, diagram: Any, cycles: bool) -> str:
     """The default observable; with a diagram, one that branch and diagram have in common."""
     first = branch.orbits[0]
     parts = [n for n in first.names if n.startswith("v.")] if diagram is not None else []
-    known = ["duration"] if cycles else [*(first.names if is_flow(first.model) else ("v", *parts)), "mean_velocity"]
+    known = ["duration"] if cycles else [*(("v", *parts) if adapter_of(first.model).has_bodies else first.names), "mean_velocity"]
     shared = [name for name in known if name in branch.points and (diagram is None or name in diagram)]
     return shared[0] if shared else next((name for name in known if name in branch.points), "mean_velocity")
 
@@ -149,7 +149,7 @@ def _strobed(orbit: Any, observable: str) -> Any:
     run, column = orbit.run, orbit.names.index(observable)
     if run.model.period is None:
         return orbit.state[column : column + 1]
-    if is_flow(run.model):
+    if not run.pieces.layout.bodies:
         return run.strobe[: orbit.period, column]
     if not machine_of(run.model).is_single:
         return strobe_states(run)[: orbit.period, column]

@@ -17,9 +17,7 @@ from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.normal_loads import normal_load
 from stickslip.models.state_layout import of_one_contact
-from stickslip.models.switching_flow import is_flow
 from stickslip.results.datasets import names_of_parts
-from stickslip.results.summary import Summary
 from stickslip.results.trajectory import Trajectory
 from stickslip.show.figures.flow_runs import flow_phase
 from stickslip.show.figures.style import COLOURS, DASHES, INK, SHADE, axes, drawing, legend_above, prefix
@@ -245,7 +243,7 @@ def phase(
     >>> ss.plot.phase(run).get_xlabel()
     'displacement without drift $x - Vt$ (µm)'
     """
-    if is_flow(getattr(run, "model", None)) and not isinstance(run, Summary):
+    if isinstance(run, Trajectory) and not run.pieces.layout.bodies:
         return flow_phase(run, x, y, ax, duration)
     runs = _runs(run, several=True)
     names = _labels(runs, labels)

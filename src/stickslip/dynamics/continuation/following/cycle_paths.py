@@ -17,7 +17,7 @@ from stickslip.dynamics.periodic.newton import Root
 from stickslip.dynamics.stroboscopic.strobe_maps import state_at
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.switching_flow import is_flow
+from stickslip.models.model_adapter import adapter_of
 
 _WELL = 1e-11  # residual of the cycles that are used
 _NEAR, _ERRORS = 10, 4.0  # cycles from which it is continued, and standard errors
@@ -88,18 +88,17 @@ class CyclePath(Path):
         from stickslip.solvers import solve
 
         cycle = self.orbit(Root(u, 0.0, 0, np.empty((0, 0)), True, "", memory))
-        if is_flow(cycle.model):
-            run = solve(cycle.model, duration=2 * cycle.duration, start=cycle.state, mode=cycle.mode, keep="trajectory")
-            return run, cycle.duration, cycle.duration
-        options: dict[str, Any] = {"rtol": self.rtol} if machine_of(cycle.model).has_inner_states else {}
-        run = solve(cycle.model, duration=2 * cycle.duration, start=cycle.start, keep="trajectory", **options)
+        options: dict[str, Any] = {"rtol": self.rtol} if adapter_of(cycle.model).has_tolerance else {}
+        run = solve(
+            cycle.model, duration=2 * cycle.duration, keep="trajectory", **self.at.begun(cycle.model, cycle.strobe_state), **options
+        )
         return run, cycle.duration, cycle.duration
 
     def orbit(self, root: Root) -> Any:
         """The cycle at a point."""
         model, u = self.robot(root.at), root.at[: self.at.smooth]
         state = self.section.states(model, self.at, u[None, :], root.memory)[0]
-        if is_flow(model):
+        if not adapter_of(model).has_bodies:
             return cycle_at(model, state, float(u[-1] * self.unit), root.residual, self.section, self.period)
         return LimitCycle(model, self.period, state, float(u[-1] * self.unit), root.residual, self.rtol, section=self.section)
 

@@ -24,8 +24,7 @@ from stickslip.dynamics.flows.flow_orbits import orbit_at
 from stickslip.dynamics.periodic.newton import STEP, Root, newton_within, slopes_at
 from stickslip.dynamics.periodic.periodic_orbits import RUNS, PeriodicOrbit
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, flight, state_at, strobe_map, with_rests
-from stickslip.models.machine_adapter import machine_of
-from stickslip.models.switching_flow import is_flow
+from stickslip.models.model_adapter import adapter_of
 
 _CORNER = 10.0  # how much further than the parameter the state may move across a corner, in scales
 _SAME_WAY = 1.0 - 1e-4  # cosine of directions that are one: a branch has a curvature
@@ -171,13 +170,13 @@ class Path:
     def has_tolerance(self) -> bool:
         """Whether runs have a tolerance, or are exact to rounding."""
         first = self.family.robot(*np.atleast_1d(self.origin))
-        return not is_flow(first) and machine_of(first).has_inner_states
+        return adapter_of(first).has_tolerance
 
     @cached_property
     def _followed(self) -> bool:
         """Whether changes of the state are followed along the runs, as they are for machines only."""
         first = self.family.robot(*np.atleast_1d(self.origin))
-        return not (is_flow(first) or not_followed(first))
+        return adapter_of(first).has_bodies and not not_followed(first)
 
     def derivatives(self, U: Array, memory: Array, worse: bool = False) -> tuple[Array, Array]:
         """Residuals of states, and their derivatives by the inner unknowns, in one batch; by differences if that fails.
@@ -246,7 +245,7 @@ class Path:
         """The motion at a point."""
         state = np.append(root.at[: self.at.smooth] * self.scales, root.memory)
         model = self.robot(root.at)
-        if is_flow(model):
+        if not adapter_of(model).has_bodies:
             return orbit_at(model, state, self.period, root.residual)
         return PeriodicOrbit(model, self.period, with_rests(model, state, self.period, self.rtol), root.residual, self.rtol)
 

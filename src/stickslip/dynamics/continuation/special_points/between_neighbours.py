@@ -18,7 +18,7 @@ from stickslip.dynamics.continuation.special_points.branch_points import broken_
 from stickslip.dynamics.continuation.special_points.own_events import Event, number_of
 from stickslip.dynamics.periodic.newton import root_between
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.switching_flow import is_flow
+from stickslip.models.model_adapter import adapter_of
 
 if TYPE_CHECKING:
     from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
@@ -62,7 +62,7 @@ def located(path: Path, a: Point, b: Point, events: Mapping[str, Event] | None =
     if a.turning * b.turning < 0:
         points += _turning(path, a, b)
     points += _changes(path, a, b, _reversals, lambda x, y: "grazing", _said_of_reversals) if _is_dynamic(a.orbit) else []
-    points += _changes(path, a, b, _word, _kind_of_switches if is_flow(a.orbit.model) else _kind_of_change, _said_of_words)
+    points += _changes(path, a, b, _word, _kind_of_change if adapter_of(a.orbit.model).has_bodies else _kind_of_switches, _said_of_words)
     for name, event in (events or {}).items():
         points += _event(path, a, b, name, event)
     return sorted(points, key=lambda item: (item.point.u - a.u) @ a.tangent)
@@ -181,7 +181,7 @@ def _word(orbit: PeriodicOrbit) -> str:
 
 def _touched(orbit: PeriodicOrbit) -> str:
     """How often in the motion each stop is hit, or begins to be pressed, and each contact takes off: ", inner-body hit twice"."""
-    if is_flow(orbit.model):
+    if not adapter_of(orbit.model).has_bodies:
         return ""
     run = orbit.run
     end = float(run.pieces.t[-1])
@@ -193,7 +193,7 @@ def _touched(orbit: PeriodicOrbit) -> str:
 
 def _pattern_of(orbit: PeriodicOrbit) -> str:
     """Of a machine of several bodies the patterns of all contacts; where laws never rest exactly its reversals say all that is sharp."""
-    if is_flow(orbit.model):
+    if not adapter_of(orbit.model).has_bodies:
         return f"{len(orbit.events)} switches to {', '.join(map(str, orbit.pattern))}" if orbit.events else "no switch"
     if not machine_of(orbit.model).is_single:
         return "" if _is_dynamic(orbit) else _BETWEEN.join(orbit.patterns.values())
@@ -201,7 +201,7 @@ def _pattern_of(orbit: PeriodicOrbit) -> str:
 
 
 def _is_dynamic(orbit: PeriodicOrbit) -> bool:
-    return not is_flow(orbit.model) and machine_of(orbit.model).has_inner_states
+    return adapter_of(orbit.model).has_tolerance
 
 
 def _reversals(orbit: PeriodicOrbit) -> int:
@@ -214,7 +214,7 @@ def _said_of_reversals(before: int, after: int, orbit: PeriodicOrbit) -> str:
 
 
 def _said_of_words(before: str, after: str, orbit: PeriodicOrbit) -> str:
-    m = None if is_flow(orbit.model) or orbit.model.period is None else orbit.motion
+    m = orbit.motion if adapter_of(orbit.model).has_bodies and orbit.model.period is not None else None
     if isinstance(m, Motion) and m.slip_ratio is not None:
         return f"type {before} becomes {after} by the thresholds slip_ratio = {m.slip_ratio:g}, dwell = {m.dwell:g}"
     return f"pattern {before} becomes {after}"

@@ -11,7 +11,7 @@ from stickslip.dynamics.continuation.following.cycle_paths import inverse_parabo
 from stickslip.dynamics.continuation.following.pseudo_arclength import Path, Point
 from stickslip.dynamics.continuation.special_points.near_grazings import touches
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.switching_flow import is_flow
+from stickslip.models.model_adapter import adapter_of
 
 if TYPE_CHECKING:
     from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
@@ -26,7 +26,7 @@ _NEAR_BY = 1e-4  # of the range: how near to where it is zero it is read then
 
 def grazed(orbit: PeriodicOrbit) -> str:
     """Name of what a motion grazes, by a hit without speed or by missing it by nothing; "" where there is none."""
-    slow = "" if is_flow(orbit.model) else _slow_hit(orbit)
+    slow = _slow_hit(orbit) if adapter_of(orbit.model).has_bodies else ""
     return slow or next((name for name, (least, size) in _missed_by(orbit).items() if abs(least) < _NEAR * size), "")
 
 
@@ -34,7 +34,7 @@ def _missed_by(orbit: Any) -> dict[str, tuple[float, float]]:
     """By how much a motion misses each stop, or guard of a flow, where it turns away from it; and the size against which that is small."""
     run, misses = orbit.run, dict[str, tuple[float, float]]()
     span = float(run.model.period or orbit.duration)
-    for touch in touches(run if is_flow(run.model) else run.with_axes, span, lambda what: what[0] in _TOUCHED):
+    for touch in touches(run.with_axes, span, lambda what: what[0] in _TOUCHED):
         least = touch.extremum()[1]
         if touch.name not in misses or abs(least) < abs(misses[touch.name][0]):
             misses[touch.name] = least, touch.size

@@ -17,7 +17,6 @@ import numpy as np
 from stickslip.analysis.run_segments import watched_contacts
 from stickslip.basics.contracts import Array
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.switching_flow import is_flow
 from stickslip.solvers.plain.composed_flows import composed
 
 if TYPE_CHECKING:
@@ -69,7 +68,7 @@ def touches(run: Trajectory, span: float, asked: Callable[[tuple[Any, ...]], boo
     at rest leaves), "begins" (that room where a rest begins), "stop" (a dip of a gap), "guard" (of a flow), and "enters" (a guard where its
     mode begins). `span` is how long a period takes, or a cycle.
     """
-    for course in _of_flow(run) if is_flow(run.model) else _of_machine(run):
+    for course in _of_machine(run) if run.pieces.layout.bodies else _of_flow(run):
         if asked(course.what):
             yield from _at_its_beginning(course) if course.what[0] in _BEGIN else _dips(course, span)
 
@@ -185,4 +184,4 @@ def _of_flow(run: Any) -> Iterator[_Course]:
 
 
 def _guard(run: Any, guard: Callable[..., Any], t: Array) -> Array:
-    return np.array([float(guard(s, y)) for s, y in zip(t, run._evaluated(t, run._index(t)), strict=True)])
+    return np.array([float(guard(s, y)) for s, y in zip(t, run.pieces.states(t, run._index(t)), strict=True)])

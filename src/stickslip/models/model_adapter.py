@@ -1,0 +1,67 @@
+"""What is asked of any model: robots, machines that list their parts, and flows that switch answer the same questions."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+from stickslip.models.flow_adapter import FlowAdapter
+from stickslip.models.machine_adapter import is_machine, machine_of
+from stickslip.models.switching_flow import is_flow
+
+
+class ModelAdapter(Protocol):
+    """The questions. Who needs the equations of bodies asks `machine_of`."""
+
+    @property
+    def model(self) -> Any:
+        """The model."""
+
+    @property
+    def has_bodies(self) -> bool:
+        """Whether it has bodies; a flow has states of its own instead."""
+
+    @property
+    def laws(self) -> tuple[Any, ...]:
+        """The laws of its contacts."""
+
+    @property
+    def has_displacement(self) -> bool:
+        """Whether it makes a way, and so has a mean velocity."""
+
+    @property
+    def has_tolerance(self) -> bool:
+        """Whether its runs are solved to a tolerance; else they are exact to rounding."""
+
+    @property
+    def memories(self) -> int:
+        """How many whole numbers its laws remember."""
+
+    @property
+    def turning_velocity(self) -> Any:
+        """Velocity at which one body on a spring turns back, that of the spring's far end [m/s]; None of anything else."""
+
+    @property
+    def unit_of_time(self) -> str:
+        """The unit of time, in words."""
+
+    @property
+    def has_units(self) -> bool:
+        """Whether the units of its states are known."""
+
+
+def is_model(value: Any) -> bool:
+    """Whether an object is a machine that solvers take, or a flow."""
+    return is_flow(value) or is_machine(value)
+
+
+def adapter_of(model: Any) -> ModelAdapter:
+    """The adapter of any model.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> swing = ss.SwitchingFlow(lambda t, y: (y[1], -y[0]), states=("x", "v"))
+    >>> [adapter_of(model).has_bodies for model in (ss.Chain.example(), ss.Joint.example(), swing)]
+    [True, True, False]
+    """
+    return FlowAdapter(model) if is_flow(model) else machine_of(model)
