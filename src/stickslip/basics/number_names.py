@@ -6,11 +6,13 @@ import re
 from collections.abc import Iterable
 from fnmatch import fnmatchcase
 
+#: Ends of the names of a number that is one for each direction.
+SIDES = ("_plus", "_minus")
 _INDEX = re.compile(r"\[(\d+|\*)\]")
 
 
 def numbers_meant(typed: str, known: Iterable[str]) -> tuple[str, ...]:
-    """The numbers that a name stands for; those of all parts if it gives no index.
+    """The numbers that a name stands for; those of all parts if it gives no index, those of both directions if it gives no side.
 
     Parameters
     ----------
@@ -25,6 +27,8 @@ def numbers_meant(typed: str, known: Iterable[str]) -> tuple[str, ...]:
     >>> known = ["modules.0.body_mass", "modules.1.body_mass", "link.stiffness", "phases.0", "phases.1"]
     >>> numbers_meant("modules[1].body_mass", known), numbers_meant("modules.body_mass", known), numbers_meant("phases", known)
     (('modules.1.body_mass',), ('modules.0.body_mass', 'modules.1.body_mass'), ('phases.0', 'phases.1'))
+    >>> numbers_meant("friction.mu", ["friction.mu_plus", "friction.mu_minus", "friction.v_s"])
+    ('friction.mu_plus', 'friction.mu_minus')
     """
     names, wanted = list(known), _INDEX.sub(r".\1", str(typed))
     if wanted in names:
@@ -38,4 +42,20 @@ def _fits(wanted: list[str], own: list[str]) -> bool:
         return not wanted
     if wanted and fnmatchcase(own[0], wanted[0]) and _fits(wanted[1:], own[1:]):
         return True
+    if len(wanted) == len(own) == 1 and own[0] in (wanted[0] + side for side in SIDES):
+        return True
     return own[0].isdigit() and _fits(wanted, own[1:])
+
+
+def pairs_in(names: Iterable[str]) -> dict[str, tuple[str, str]]:
+    """Numbers that are one for each direction: their common name, and those of both.
+
+    Examples
+    --------
+    >>> pairs_in(["mu_plus", "mu_minus", "v_s"])
+    {'mu': ('mu_plus', 'mu_minus')}
+    """
+    known = list(names)
+    stems = [name.removesuffix(SIDES[0]) for name in known if name.endswith(SIDES[0])]
+    both = {stem: (stem + SIDES[0], stem + SIDES[1]) for stem in stems}
+    return {stem: pair for stem, pair in both.items() if pair[1] in known and stem not in known}

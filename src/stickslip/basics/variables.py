@@ -109,7 +109,10 @@ VARIABLES: dict[str, Variable] = {
 }
 
 #: Units of ways and forces, and what stands for them about an axis.
-_ABOUT_AN_AXIS = {"m": "rad", "m/s": "rad/s", "m/s^2": "rad/s^2", "N": "N m", "N s": "N m s"}
+_ABOUT_AN_AXIS = {
+    "m": "rad", "m/s": "rad/s", "m/s^2": "rad/s^2", "N": "N m", "N s": "N m s", "N/m": "N m/rad", "N s/m": "N m s/rad",
+    "N s^2/m^2": "N m s^2/rad^2",
+}  # fmt: skip
 
 
 def unit_of(name: str, model: Model) -> str:

@@ -26,7 +26,8 @@ def description_of(name: str, make: Any = None) -> Mapping[str, Any]:
     if name in _START:
         return _START[name]
     if callable(make):
-        return described_arguments(make).get(name, {})
+        described = described_arguments(make)
+        return next((described[each] for each in numbers_meant(name, described)), {})
     return field_description(make, name) or next((field_description(make, each) for each in _meant(make, name)), {})
 
 

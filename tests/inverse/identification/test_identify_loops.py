@@ -106,3 +106,15 @@ def test_a_law_without_bristles_tells_the_sum_of_the_cylinders_frictions_and_no_
     assert 0.85 * half < value / 2 < 1.02 * half
     gain, given_up = fit.sensor["gain"][0], any("cannot be distinguished from defects of the law" in note for note in fit.notes)
     assert gain == 1.0 if given_up else abs(gain - 1.0) < 0.002  # a tenth of what is known of it beforehand
+
+
+def test_one_coefficient_of_a_fit_is_that_of_both_directions():
+    """As many numbers as are free, each in newtons where no load is known."""
+    t = np.linspace(0.0, 4.0, 1200)
+    F = 2.0 * np.sign(np.cos(np.pi * t)) + np.random.default_rng(3).normal(0, 0.05, len(t))
+    rec = ss.Record.of(t, {"x [m]": 1e-3 * np.sin(np.pi * t), "F [N]": F}, roles={"F": "force"})
+    both = ss.identify(rec, ss.Coulomb, free={"mu": (0.1, 10.0)}, load=1.0, sensor={}, starts=2)
+    forwards = ss.identify(rec, ss.Coulomb(0.3), free={"mu": (0.1, 10.0)}, load=1.0, sensor={}, starts=2)
+    assert both.values == forwards.values and both.model() == ss.Coulomb(both.values["mu"])
+    low, high = both.interval("mu")
+    assert low < 2.0 < high and "mu = 2.0" in both.report() and " N   95 %" in both.report() and "mu_minus" not in forwards.report()

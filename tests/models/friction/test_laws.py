@@ -999,3 +999,24 @@ def test_a_power_of_what_may_be_negative_is_told_what_to_write():
     rig = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, incline="gravity")
     with pytest.raises(ss.InputError, match=r"sign of z0 .* write abs\(v\)\*\*self\.p, or v \* abs\(v\)\*\*\(self\.p - 1\)"):
         ss.solve(rig.replace(friction=Signed(0.15, 2.0, 4e5)), periods=2)
+
+
+@each_row(
+    "given, full",
+    [
+        (lambda: ss.Coulomb(0.2), ss.Coulomb(0.2, 0.2)),
+        (lambda: ss.Coulomb(mu=0.2), ss.Coulomb(0.2, 0.2)),
+        (lambda: ss.Coulomb(0.2, f_plus=0.3), ss.Coulomb(0.2, 0.2, 0.3, 0.3)),
+        (lambda: ss.Stribeck(mu=0.2, f=0.3, v_s=1e-3), ss.Stribeck(0.2, 0.2, 0.3, 0.3, v_s=1e-3)),
+        (lambda: ss.Coulomb(0.1, 0.2).replace(mu=0.3), ss.Coulomb(0.3, 0.3)),
+        (lambda: ss.Coulomb(0.1, 0.2, f_plus=0.3), ss.Coulomb(mu_minus=0.2, mu_plus=0.1, f_plus=0.3, f_minus=None)),
+    ],
+    ids=["first place", "mu", "one side", "mu and f", "replace", "both sides"],
+)
+def test_one_coefficient_is_that_of_both_directions(given, full):
+    assert given() == full
+
+
+def test_a_coefficient_for_both_directions_and_one_for_one_of_them_are_refused():
+    with pytest.raises(ss.InputError, match="mu = 0.1 is for both directions, and mu_plus is given too"):
+        ss.Coulomb(mu=0.1, mu_plus=0.2)

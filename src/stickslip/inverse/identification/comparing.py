@@ -151,7 +151,7 @@ def _cells(row: ComparisonRow) -> tuple[str, ...]:
 def compare(
     record: Record,
     robot: Model,
-    laws: Sequence[str | Law] | dict[str, Any] = ("coulomb", "lugre"),
+    laws: Sequence[str | Law] | dict[str, Any] | None = None,
     *,
     using: str = "auto",
     frequency: float | None = None,
@@ -169,9 +169,9 @@ def compare(
     record : Record
     robot : Robot
         The robot that was measured.
-    laws : list, or dict of label -> law
+    laws : list, or dict of label -> law, optional
         Laws; or names: that of the robot's own law, or "coulomb" for Coulomb friction at the robot's kinetic coefficients (Eq. 2.4). A
-        complete robot may be given instead of a law.
+        complete robot may be given instead of a law. None is these two: the laws whose numbers the robot has.
     using : {"auto", "velocity", "position"}
     frequency : float, optional
         Drive frequency [Hz]; otherwise it is refined from the record.
@@ -230,6 +230,7 @@ def _robots(record: Record, robot: Model, laws: Any) -> dict[str, Any]:
             "compare",
             [*problems.mistakes, f"robot = {robot!r}; allowed is a Robot; type ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4)"],
         )
+    laws = _with_numbers(robot) if laws is None else laws
     pairs = list(laws.items()) if isinstance(laws, dict) else [(None, law) for law in ([laws] if isinstance(laws, str) else laws)]
     for label, law in pairs:
         model = _with_law(robot, law, problems)
@@ -240,6 +241,12 @@ def _robots(record: Record, robot: Model, laws: Any) -> dict[str, Any]:
         problems.add('laws is empty; type for example laws=["coulomb", "lugre"]')
     problems.check()
     return robots
+
+
+def _with_numbers(robot: Any) -> list[Any]:
+    """The laws whose numbers a robot has: Coulomb friction at its kinetic coefficients, where it has any, and its own."""
+    twin = coulomb_twin(robot)
+    return [robot] if twin is None or twin == robot else [twin, robot]
 
 
 def _with_law(robot: Any, law: Any, problems: Problems) -> Any:

@@ -9,8 +9,10 @@ import numpy as np
 from stickslip.basics.contracts import Array
 from stickslip.basics.fields import leaves
 from stickslip.basics.notebook_display import NOT_DETERMINED, rounded, sure
+from stickslip.basics.number_names import numbers_meant
 from stickslip.basics.phrases import counted, listed
 from stickslip.basics.quantities import with_unit
+from stickslip.basics.variables import in_units_of
 from stickslip.models.naming import description_of
 
 if TYPE_CHECKING:
@@ -47,9 +49,20 @@ def unit_of_values(target: Any) -> str:
 
 
 def unit_of_parameter(fit: Fit, name: str) -> str:
-    """The unit of a free parameter as its field or maker describes it; empty where it is a bare number, or nobody says."""
-    unit = str(description_of(name.partition("[")[0], fit.problem.parameters.make).get("unit", ""))
-    return "" if unit == "1" else unit
+    """The unit of a free parameter as its field or maker describes it, of that machine; empty where it is a bare number, or nobody says.
+
+    Friction coefficients are forces (or torques) where the load is 1, which then is none.
+    """
+    description = description_of(name.partition("[")[0], fit.problem.parameters.make)
+    unit = "N" if description.get("of_load") and _load_is_one(fit) else str(description.get("unit", ""))
+    return "" if unit == "1" else in_units_of(fit.model(), unit)
+
+
+def _load_is_one(fit: Fit) -> bool:
+    """Whether the load of a contact is 1, so that coefficients of friction are forces."""
+    if all(t.kind == "force" for t in fit.problem.targets):
+        return all(bool(np.all(t.load == 1.0)) for t in fit.problem.targets)
+    return in_units_of(fit.model(), "N") != "N" and dict(leaves(fit.model())).get("load") == 1.0
 
 
 def undetermined(fit: Fit) -> list[str]:
@@ -110,7 +123,7 @@ def known_line(fit: Fit) -> str:
     of = fit.problem.parameters
     numbers = {} if callable(of.make) else {name: [value] for name, value in leaves(of.make)}
     numbers |= {name: [each[name] for each in of.fixed] for name in of.fixed[0]}
-    free = {f.argument for f in of.free} | set(of.tied)
+    free = {own for name in ({f.argument for f in of.free} | set(of.tied)) for own in (numbers_meant(name, numbers) or (name,))}
     given = [f"{name} = {_as_given(values, unit_of_parameter(fit, name))}" for name, values in numbers.items() if name not in free]
     return f"as given: {', '.join(given)}" if given else ""
 

@@ -17,9 +17,11 @@ from stickslip.basics.distributions import ALLOWED, Distribution, distribution_o
 from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.basics.fields import leaves
 from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.number_names import SIDES, numbers_meant, pairs_in
 from stickslip.inverse.identification.friction_effects import plainer
 from stickslip.inverse.identification.limits import Limits, limits_of
 from stickslip.inverse.scales import Scale
+from stickslip.models.friction.law import Symmetric
 from stickslip.models.naming import in_its_unit
 
 
@@ -194,16 +196,16 @@ def parameters(
     known = _known(make)
     spread = _free(make, free, count, problems)
     for name in [*dict.fromkeys(f.argument for f in spread), *arguments, *(tied or {})]:
-        if known is not None and name not in known:
+        if known is not None and not numbers_meant(name, known):
             problems.add(f"{name!r} is not known; {did_you_mean(name, known)}")
     fixed = _fixed(arguments, count, problems)
-    for name in _needed(make):
+    for name in _needed(make, {*free, *arguments, *(tied or {})}):
         own = {f.record for f in spread if f.argument == name}
         if name not in {*arguments, *(tied or {}), *free} and None not in own and len(own) < count:
             problems.add(f"{name} is missing; type its value, {name}=..., or make it free")
     _check_once(spread, tied or {}, arguments, count, problems)
     for name, rule in (tied or {}).items():
-        if not callable(rule) and known is not None and rule not in known:
+        if not callable(rule) and known is not None and not numbers_meant(rule, known):
             problems.add(f"{name} is tied to {rule!r}, which is not known; {did_you_mean(str(rule), known)}")
     if not spread:
         example = "0.18" if what == "design" else "(0.05, 0.5)"
@@ -221,12 +223,17 @@ def _known(make: Model | Callable[..., Any]) -> list[str] | None:
     return None if any(p.kind is p.VAR_KEYWORD for p in known) else [p.name for p in known]
 
 
-def _needed(make: Model | Callable[..., Any]) -> list[str]:
-    """Arguments that have no default."""
+def _needed(make: Model | Callable[..., Any], given: set[str]) -> list[str]:
+    """Arguments that have no default, and do not follow from what is given: of a law, a number of one direction from that of the other."""
     if not callable(make):
         return []
     known = parameters_of(make)
-    return [p.name for p in known if p.default is p.empty and p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)]
+    needed = [p.name for p in known if p.default is p.empty and p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)]
+    if not isinstance(make, Symmetric):
+        return needed
+    both = {side for stem, pair in pairs_in(p.name for p in known).items() if stem in given for side in pair}
+    back = set() if any(name.endswith(SIDES[1]) for name in given) else {name for name in needed if name.endswith(SIDES[1])}
+    return [name for name in needed if name not in both | back]
 
 
 def _free(make: Model | Callable[..., Any], free: dict[str, Any], count: int, problems: Problems) -> list[Free]:

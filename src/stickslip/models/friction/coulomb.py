@@ -22,12 +22,14 @@ class Coulomb(Dry):
     Parameters
     ----------
     mu_plus, mu_minus : float
-        Kinetic friction coefficient forwards (v > 0, downhill) and backwards [-].
+        Kinetic friction coefficient forwards (v > 0, downhill) and backwards [-]; one alone, or ``mu=``, is that of both directions.
     f_plus, f_minus : float, optional
         Static (break-away) coefficients [-]; ``None`` means the kinetic ones, which is Eq. 2.4 to the letter.
 
     Examples
     --------
+    >>> Coulomb(0.2) == Coulomb(mu=0.2) == Coulomb(mu_plus=0.2, mu_minus=0.2)
+    True
     >>> law = Coulomb(mu_plus=0.15, mu_minus=0.21)
     >>> law.sliding(v=0.01, load=10.0), law.sliding(v=-0.01, load=10.0)
     (1.5, -2.1)

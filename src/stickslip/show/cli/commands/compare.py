@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     arguments=(
         *ROBOT,
         argument("--record", metavar="FILE", required=True, help="the measured record"),
-        argument("--laws", metavar="A,B", default="coulomb,lugre", help="laws (default: coulomb,lugre)"),
+        argument("--laws", metavar="A,B", help="laws (default: those whose numbers the robot has: Coulomb, and its own)"),
         *RECORDS,
         argument("--report", metavar="FILE", ends=(".html",), help="write an offline HTML page (.html)"),
         argument("--figure", metavar="FILE", ends=FIGURES, help="draw record and laws (.png, .svg or .pdf)"),
@@ -83,8 +83,10 @@ def _check_robot(name: str) -> None:
     raise InputError("compare", [f"{said} {typed}"])
 
 
-def _laws(text: str, study: Any) -> dict[str, Any] | list[str]:
-    """Laws by name: those suited to the robot, or what its preset makes of them (law=NAME)."""
+def _laws(text: str | None, study: Any) -> dict[str, Any] | list[str] | None:
+    """Laws by name: those suited to the robot, or what its preset makes of them (law=NAME); None where none is typed."""
+    if text is None:
+        return None
     from stickslip.models.friction import LAWS
 
     names = [law for law in text.split(",") if law]
