@@ -47,6 +47,7 @@ def _instead(name: str) -> str:
 #: Classes that functions return and nobody makes, and where they are.
 _IN_MODULES = {
     "ExportedLaw": "show.export",
+    "LogFit": "inverse.logs",
     "Simulation": "solvers.simulation",
     "StickslipError": "basics.errors",
 }
@@ -55,7 +56,7 @@ _IN_MODULES = {
 _CALLED = {
     **dict.fromkeys(("simulate", "integrate", "run", "odeint", "solve_ivp"), "solve"),
     **dict.fromkeys(("stepper", "step", "Simulator"), "simulation"),
-    **dict.fromkeys(("fit", "curve_fit", "estimate"), "identify"),
+    **dict.fromkeys(("curve_fit", "estimate"), "identify"),
     **dict.fromkeys(("read_csv", "open", "import_record"), "read"),
     **dict.fromkeys(("minimize", "minimise", "maximize", "maximise"), "optimise"),
     **dict.fromkeys(("plt", "figure", "show"), "plot"),

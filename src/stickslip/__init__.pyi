@@ -26,6 +26,7 @@ from .inverse.identification import (
     identify as identify,
     virtual_rig as virtual_rig,
 )
+from .inverse.logs import fit as fit
 from .inverse.optimisation import optimise as optimise
 from .models import drives as drives, friction as friction, machines as machines, presets as presets, tracks as tracks
 from .models.drives import (

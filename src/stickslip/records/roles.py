@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.units import quantity_of, unit_named
+from stickslip.records.candidates import typed_units
 from stickslip.records.channel import MEASURED, Channel
 from stickslip.records.overview import clipped, dead_zone, runs_of
 from stickslip.records.raw import RawColumn
@@ -60,10 +61,10 @@ def _role_and_why(c: RawColumn) -> tuple[str | None, bool]:
 def remarks(channels: list[Channel]) -> list[str]:
     """Facts about these channels that a user must know before using them."""
     notes: list[str] = []
-    bare = [c.name for c in channels if c.unit is None]
+    bare = {c.name: c.values for c in channels if c.unit is None}
     if bare:
-        shown = ", ".join(repr(n) for n in bare[:6]) + (", ..." if len(bare) > 6 else "")
-        notes.append(f'no unit in the file for {shown}; type units={{"{bare[0]}": "m/s"}} with the right one')
+        shown = ", ".join(map(repr, [*bare][:6])) + (", ..." if len(bare) > 6 else "")
+        notes.append(f"no unit in the file for {shown}; type {typed_units(bare)} with the right one{'s' * (len(bare) > 1)}")
     for c in channels:
         if c.unit is not None and unit_named(c.unit) is None:
             notes.append(f"the unit {c.unit!r} of {c.name!r} is kept but not understood")

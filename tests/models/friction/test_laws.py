@@ -1018,5 +1018,5 @@ def test_one_coefficient_is_that_of_both_directions(given, full):
 
 
 def test_a_coefficient_for_both_directions_and_one_for_one_of_them_are_refused():
-    with pytest.raises(ss.InputError, match="mu = 0.1 is for both directions, and mu_plus is given too"):
+    with pytest.raises(ss.InputError, match=r"mu = 0\.1 is for both directions, and mu_plus is given too"):
         ss.Coulomb(mu=0.1, mu_plus=0.2)

@@ -194,7 +194,8 @@ def report_text(fit: Fit) -> str:
         if row["name"] in fit.undetermined:
             rows.append(f"  {name} {NOT_DETERMINED}: {fit.values[row['name']]:.3g}{unit} is one of many values that fit as well")
         else:
-            rows.append(f"  {name} = {row['value']} {row['error']}{unit}   95 % {row['low']} to {row['high']}")
+            stated = f"{row['value']}{unit} {row['error']}" if row["name"] in fit.bent else f"{row['value']} {row['error']}{unit}"
+            rows.append(f"  {name} = {stated}   95 % {row['low']} to {row['high']}")
     rows += [f"  {line}" for line in (known_line(fit), *sensor_lines(fit), *cost_lines(fit), *input_lines(fit)) if line]
     for q in fit.quality:
         noise = f", noise {q.noise:.3g} {q.unit}" if np.isfinite(q.noise) else ""

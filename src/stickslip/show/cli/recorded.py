@@ -30,9 +30,20 @@ def in_command_words(text: str, of: str = "records") -> str:
     >>> in_command_words('type for example over={"drive.amplitude": (2e-4, 8e-4)}; widen the bounds in over', "searches")
     'type for example --over drive.amplitude=2e-4..8e-4; widen the bounds in --over'
     """
+    text = re.sub(r'(unit|role|scale)s?=\{((?:"[^"]*": "[^"]*", )+"[^"]*": "[^"]*")\}', _each_pair, text)
+    text = re.sub(
+        r'numbers=\{((?:"[^"]*": [^,}]+(?:, )?)+)\}',
+        lambda typed: re.sub(r'"(\w+)": ([^,]+)(, )?', r"--set \1=\2 ", typed[1]).strip(),
+        text,
+    )
     for pattern, words in tomllib.loads(_TYPED.read_text(encoding="utf-8"))[of]:
         text = re.sub(pattern, words, text)
     return text
+
+
+def _each_pair(typed: re.Match[str]) -> str:
+    """Several pairs of a dict as as many options."""
+    return " ".join(f'--{typed[1]} "{name}={value}"' for name, value in re.findall(r'"([^"]*)": "([^"]*)"', typed[2]))
 
 
 @contextmanager

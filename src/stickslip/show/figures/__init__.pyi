@@ -14,6 +14,11 @@ from .continuation import continuation as continuation
 from .dynamics import basins as basins, bifurcation as bifurcation, convergence as convergence, spectrum as spectrum
 from .edge_states import edge_state as edge_state
 from .energy import energy as energy
+from .fits_over_motions import (
+    friction_curve as friction_curve,
+    over_time as over_time,
+    residuals_over_velocity as residuals_over_velocity,
+)
 from .flow_runs import states as states
 from .line_cuts import line_cut as line_cut
 from .maps import motion_map as motion_map, velocity_map as velocity_map

@@ -149,11 +149,11 @@ def fitted(fit: Fit, record: int = 0, ax: Ax = None) -> Any:
     'drive periods'
     """
     ax = axes(ax)
-    target, curve = _target(fit, record), fit.predicted[record]
+    target, curve = fitted_target(fit, record), fit.predicted[record]
     if target.kind == "mean":
         return _means(fit, ax)
     x, label = _abscissa(fit, record)
-    y = curve - _rest(fit, record)
+    y = curve - residual_values(fit, record)
     middle = float(np.mean(y)) if target.kind == "position" else 0.0
     factor, unit = prefix(y - middle)
     _measured(ax, x, y - middle, factor, "record")
@@ -164,7 +164,7 @@ def fitted(fit: Fit, record: int = 0, ax: Ax = None) -> Any:
     return ax
 
 
-def _target(fit: Fit, record: int) -> Any:
+def fitted_target(fit: Fit, record: int) -> Any:
     """The fitted data of one record; `InputError` if there is no record of this number."""
     targets = fit.problem.targets
     if not is_whole(record) or not 0 <= record < len(targets):
@@ -172,12 +172,13 @@ def _target(fit: Fit, record: int) -> Any:
     return targets[record]
 
 
-def _rest(fit: Fit, record: int) -> Any:
+def residual_values(fit: Fit, record: int) -> Any:
+    """The model less the measured values of one record [SI]."""
     return fit.problem.parts(fit.residuals * fit.problem.sigma)[record]
 
 
 def _abscissa(fit: Fit, record: int) -> tuple[Any, str]:
-    target = _target(fit, record)
+    target = fitted_target(fit, record)
     if target.kind == "force":
         moved = np.cumsum(target.v * np.diff(target.t, prepend=target.t[0]))[target.compared]
         factor, unit = prefix(moved - moved.mean())
@@ -231,7 +232,7 @@ def autocorrelation(fit: Fit, record: int = 0, ax: Ax = None) -> Any:
     'lag (samples)'
     """
     ax = axes(ax)
-    target, rest = _target(fit, record), _rest(fit, record)
+    target, rest = fitted_target(fit, record), residual_values(fit, record)
     if target.kind == "mean":
         raise InputError("plot", ["a mean velocity has one residual, and no correlation; type record= with the number of a curve"])
     r, n = rest - rest.mean(), len(rest)
@@ -270,7 +271,7 @@ def residuals(fit: Fit, record: int = 0, ax: Ax = None) -> Any:
     'residual velocity (µm/s)'
     """
     ax = axes(ax)
-    target, rest = _target(fit, record), _rest(fit, record)
+    target, rest = fitted_target(fit, record), residual_values(fit, record)
     factor, unit = prefix(rest)
     x, label = (np.arange(len(rest)), "value") if target.kind == "mean" else _abscissa(fit, record)
     ax.axhline(0.0, color=INK, linewidth=0.6)

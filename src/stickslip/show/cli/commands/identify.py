@@ -105,7 +105,7 @@ def act(asked: Namespace) -> Outcome:
     intervals = {name: fit.interval(name, asked.level, method) for name in fit.values}
     if asked.report is not None:
         fit.report(asked.report)
-    return Outcome(lambda: _numbers(fit, intervals, asked.level, method), lambda: _text(fit, intervals, asked))
+    return Outcome(lambda: numbers_of(fit, intervals, asked.level, method), lambda: _text(fit, intervals, asked))
 
 
 def _text(fit: Any, intervals: dict[str, Any], asked: Namespace) -> str:
@@ -120,7 +120,8 @@ def _text(fit: Any, intervals: dict[str, Any], asked: Namespace) -> str:
     return "\n".join([*lines, *([] if asked.report is None else [f"written to {asked.report}"])])
 
 
-def _numbers(fit: Any, intervals: dict[str, Any], level: float, method: str) -> dict[str, Any]:
+def numbers_of(fit: Any, intervals: dict[str, Any], level: float, method: str) -> dict[str, Any]:
+    """A fit as JSON."""
     from dataclasses import asdict
 
     from stickslip.inverse.identification.fit_text import NOT_DETERMINED
@@ -171,7 +172,7 @@ def _typed(asked: Namespace) -> dict[str, Any]:
             free[name] = (*range_ends(text), "log") if log == "log" else range_ends(text)
         except ValueError:
             problems.add(f"--free {word!r} is not NAME=A..B; type for example --free mu0=0.05..0.5")
-    sensor = _sensor(asked.sensor, problems)
+    sensor = sensor_typed(asked.sensor, problems)
     means = _floats(asked.mean, problems)
     if bool(asked.record) == bool(means):
         problems.add("give records or mean velocities: --record run.csv (again for more), or --mean 0.0017,0.0036")
@@ -182,7 +183,7 @@ def _typed(asked: Namespace) -> dict[str, Any]:
     return {"make": asked.robot, "records": asked.record, "means": means, "arguments": arguments, "free": free, "options": options}
 
 
-def _sensor(words: list[str], problems: Problems) -> dict[str, Any] | None:
+def sensor_typed(words: list[str], problems: Problems) -> dict[str, Any] | None:
     """The parameters of the sensor; None if none were typed."""
     if not words:
         return None

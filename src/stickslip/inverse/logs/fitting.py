@@ -1,0 +1,234 @@
+"""`fit`: from a file to the numbers of a friction law in one call."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from stickslip.basics.arguments import explains_arguments
+from stickslip.basics.errors import InputError, Problems, StickslipError, did_you_mean
+from stickslip.inverse.identification.fit_text import unit_of_parameter
+from stickslip.inverse.identification.ranking import UNDECIDED, Ranking, rank
+from stickslip.inverse.identification.uncertainty import faults
+from stickslip.inverse.logs.log_fit import LogFit
+from stickslip.inverse.logs.machines import Kind, Task, kind_named, kinds_for
+from stickslip.inverse.logs.proposals import Proposal, missing_units, of_channels, of_numbers, table
+from stickslip.inverse.logs.symmetry import by_sides, symmetry_of
+from stickslip.records import Record, read
+from stickslip.records.candidates import candidate_unit, typed_units, without_unit
+
+
+@explains_arguments
+def fit(
+    file: Any,
+    *,
+    machine: str | None = None,
+    law: str | None = None,
+    numbers: dict[str, Any] | None = None,
+    asymmetric: bool = False,
+    units: dict[str, str] | None = None,
+    roles: dict[str, str] | None = None,
+    sensor: dict[str, Any] | None = None,
+    starts: int = 16,
+    progress: Callable[[int, int], None] | bool | None = None,
+    **reading: Any,
+) -> LogFit:
+    """Fit friction laws to a file: roles, units, machine and law are proposed, and what was decided is in the result.
+
+    The machine follows from what was measured: a force over a motion is a friction rig, a torque or a current over an angle a joint, a
+    velocity alone a shaken robot. Laws are compared by `ss.rank`, and one coefficient is that of both directions unless `asymmetric`.
+
+    Parameters
+    ----------
+    file : str, Path, Record, data frame, or a list of them
+        One file, or several of the same machine.
+    machine : {"rig", "slider", "joint", "robot"}, optional
+        The kind of machine, where the file leaves it open.
+    law : str, optional
+        One law instead of a comparison: "coulomb", "coulomb-viscous", "stribeck", "dahl" or "lugre"; of a robot "coulomb",
+        "coulomb-static" or "lugre".
+    numbers : dict, optional
+        What is known of the machine, in SI units: ``{"load": 20.0}``, ``{"amplitude": 5e-4, "tilt_deg": 1.7}``,
+        ``{"motor_constant": 0.05}``.
+    asymmetric : bool
+        A coefficient for each direction.
+    units, roles : dict, optional
+        As for `read`.
+    sensor : dict, optional
+        As for `identify`.
+    starts : int
+        Starting points of each search.
+    progress : callable or bool, optional
+        As for `identify`.
+    **reading
+        What else `read` takes, such as ``columns``, ``rate``, ``separator`` and ``decimal``.
+
+    Returns
+    -------
+    LogFit
+
+    Raises
+    ------
+    InputError
+        Units are missing, the file suits no machine, or a number is needed; with the line to type.
+
+    Examples
+    --------
+    >>> import numpy as np, stickslip as ss
+    >>> t = np.arange(0, 4, 0.005)
+    >>> F = 2.0 * np.sign(np.cos(3 * t)) + np.random.default_rng(0).normal(0, 0.05, len(t))
+    >>> log = {"time_s": t, "pos_mm": 5.0 * np.sin(3 * t), "F_N": F}
+    >>> result = ss.fit(log, law="coulomb", starts=2)
+    >>> result.machine, round(result.values["mu"], 1), result.supported
+    ('rig', 2.0, True)
+    >>> print(result.python)
+    import stickslip as ss
+    ...
+    """
+    files, units, roles, given = list(file) if isinstance(file, (list, tuple)) else [file], units or {}, roles or {}, dict(numbers or {})
+    records = [each if isinstance(each, Record) else read(each, units=units, roles=roles, **reading) for each in files]
+    channels = _unique(line for rec in records for line in of_channels(rec, units, roles))
+    _check_units(records, channels)
+    kind, why, others = _kind(records, machine, channels)
+    _check_numbers(kind, given)
+    search = _Search(records, given, asymmetric, sensor, starts, progress)
+    fits, tasks, ranking, best = _laws(kind, search, law)
+    questions: list[str] = []
+    for other in others:
+        another = search.tried(other, best)[1]
+        apart = _apart(fits[best], another)
+        if faults(fits[best]) and not faults(another):
+            why, kind = f"what is left of a {kind.name} is not noise, that of a {other.name} is", other
+            fits, tasks, ranking, best = _laws(other, search, law)
+        elif apart < UNDECIDED:
+            how = f"fits better, by ΔAICc {-apart:.3g}" if apart < -UNDECIDED else f"fits as well: ΔAICc {apart:.2g}"
+            questions.append(f'machine="{other.name}" ({other.words}) {how}; the {kind.name} has fewer numbers')
+    proposals = [*channels, *of_numbers(given, kind.assumed(records, given))]
+    able = [name for name in kinds_for(records) if name != kind.name]
+    proposals.append(Proposal("machine", f"{kind.name}: {kind.words}", why, f"--machine {' or '.join(able) or 'NAME'}"))
+    proposals.append(Proposal("law", best, "typed" if law else f"of {', '.join(fits)}", "--law NAME"))
+    sides = "a coefficient for each direction" if asymmetric else "one coefficient for both directions"
+    proposals.append(Proposal("symmetry", sides, "typed" if asymmetric else "unless asked", "" if asymmetric else "--asymmetric"))
+    chosen = fits[best]
+    unit = next((unit_of_parameter(chosen, name) for name in chosen.names if name.rpartition(".")[2] == "mu"), "")
+    tested = symmetry_of(chosen, unit)
+    symmetry = tuple(by_sides(chosen)) if asymmetric else (tested,) if tested else ()
+    notes = tuple(
+        dict.fromkeys(f"{'' if len(records) == 1 else f'record {i}: '}{note}" for i, rec in enumerate(records) for note in rec.notes)
+    )
+    readings = tuple(_written(each, units, roles, reading) for each in files)
+    return LogFit(
+        kind.name, best, tuple(proposals), fits, tasks, ranking, symmetry, readings, tuple(questions), tuple(_next(chosen, kind)), notes,
+    )  # fmt: skip
+
+
+def _unique(lines: Any) -> list[Proposal]:
+    return list(dict.fromkeys(lines))
+
+
+def _check_units(records: Sequence[Record], channels: list[Proposal]) -> None:
+    """`InputError` with one line to paste, where units are missing."""
+    if any(missing_units(rec) for rec in records) or not kinds_for(records):
+        bare = {name: values for rec in records for name, values in without_unit(rec.channels.values()).items()}
+        if bare := {name: values for name, values in bare.items() if candidate_unit(name, values) != "1"}:
+            raise InputError("fit", [f"units are missing; type {typed_units(bare)} with the right ones\n{table(channels)}"])
+
+
+def _kind(records: Sequence[Record], machine: str | None, channels: list[Proposal]) -> tuple[Kind, str, list[Kind]]:
+    """The kind of machine, why it is that, and others that the same laws may be compared with."""
+    possible = kinds_for(records)
+    if machine is not None:
+        kind = kind_named(machine)
+        if kind.name not in possible:
+            able = f"it suits {', '.join(possible)}" if possible else "it suits none"
+            raise InputError("fit", [f"machine = {machine!r} needs other channels than these: {able}\n{table(channels)}"])
+        return kind, "typed", []
+    if not possible:
+        wants = "a force over a position or velocity, a torque or a current over an angle, or a velocity over time"
+        raise InputError(
+            "fit", [f'no machine suits the file: it needs {wants}; type roles={{"...": "force"}} where a channel is one\n{table(channels)}']
+        )
+    (kind, why), *more = possible.values()
+    return kind, why, [other for other, _ in more if set(kind.laws) <= set(other.laws)]
+
+
+@dataclass(frozen=True)
+class _Search:
+    """What all fits of some records have in common."""
+
+    records: list[Record]
+    given: dict[str, Any]
+    asymmetric: bool
+    sensor: dict[str, Any] | None
+    starts: int
+    progress: Any
+
+    def tried(self, kind: Kind, law: str) -> tuple[Task, Any]:
+        """A law on a kind of machine: how it is fitted, and the fit."""
+        made = kind.task(self.records, law, self.given, self.asymmetric)
+        mass = {name: None for name in made.options.get("sensor", {}) if name == "inertia"}  # a number of the machine
+        sensor = {} if self.sensor is None else {"sensor": mass | self.sensor}
+        task = Task(made.make, made.made_by, made.free, made.options | sensor | {"starts": self.starts})
+        return task, task(self.records, progress=self.progress)
+
+
+def _apart(one: Any, other: Any) -> float:
+    """By how much the AICc of another fit is above that of one."""
+    rows = {row.label: row.aicc for row in rank({"one": one, "other": other}).rows}
+    return float(rows["other"] - rows["one"])
+
+
+def _check_numbers(kind: Kind, given: dict[str, Any]) -> None:
+    problems = Problems("fit")
+    for name, value in given.items():
+        if name not in kind.takes:
+            able = ", ".join(f"{known} ({words})" for known, words in kind.takes.items())
+            problems.add(f"numbers names {name!r}; {did_you_mean(name, kind.takes)}; a {kind.name} takes {able}")
+        elif not isinstance(value, (int, float)) or isinstance(value, bool):
+            problems.add(f"{name} = {value!r} is not a number; type for example {name}=1.0")
+    problems.check()
+
+
+def _laws(kind: Kind, search: _Search, law: str | None) -> tuple[dict[str, Any], dict[str, Task], Ranking | None, str]:
+    """Fits of the laws, how each was made, their ranking, and the one to report."""
+    known = (*kind.laws, *kind.richer)
+    if law is not None and law not in known:
+        raise InputError("fit", [f"law = {law!r}; {did_you_mean(law, known)}"])
+    each = {name: search.tried(kind, name) for name in ((law,) if law else kind.laws)}
+    ranking = None if law else rank({name: fit for name, (_, fit) in each.items()})
+    if ranking is not None and not ranking.supported and kind.richer:
+        each |= {name: search.tried(kind, name) for name in kind.richer}
+        ranking = rank({name: fit for name, (_, fit) in each.items()})
+    tasks, fits = {name: task for name, (task, _) in each.items()}, {name: fit for name, (_, fit) in each.items()}
+    if ranking is None:
+        return fits, tasks, None, str(law)
+    alike = ranking.supported or tuple(row.label for row in ranking.rows if row.aicc < UNDECIDED)
+    return fits, tasks, ranking, min(alike, key=lambda label: fits[label].fitted)
+
+
+def _next(chosen: Any, kind: Kind) -> list[str]:
+    """What to measure next for the numbers that the record does not determine, or only poorly."""
+    poor = [name for name, error in chosen.errors.items() if name in chosen.undetermined or error > 0.2 * abs(chosen.values[name])]
+    if not poor or kind.name == "robot":
+        return []
+    _, x, v = chosen.problem.targets[0].moved
+    stroke, speed = float(max(x) - min(x)), float(max(abs(v)))
+    if not stroke > 0 or not speed > 0:
+        return []
+    hertz = speed / (3.14159 * stroke)
+    choices = [{"stroke": float(f"{stroke * s:.2g}"), "frequency": float(f"{hertz * f:.2g}")} for s in (1.0, 3.0) for f in (0.1, 1.0, 5.0)]
+    try:
+        plan = chosen.next_experiment(choices, samples=600)
+    except StickslipError:
+        return []
+    return [f"for {', '.join(poor)}: {plan.notes[0]}"]
+
+
+def _written(file: Any, units: dict[str, str], roles: dict[str, str], reading: dict[str, Any]) -> str:
+    """How a file is read, as Python; a record that was given is a name."""
+    if isinstance(file, Record):
+        return "ss.read(path)" if "path" not in file.source else f"ss.read({str(file.source['path'])!r})"
+    named = {"units": units, "roles": roles} | reading
+    options = "".join(f", {name}={value!r}" for name, value in named.items() if value)
+    return f"ss.read({str(file)!r}{options})" if isinstance(file, str) or hasattr(file, "__fspath__") else f"ss.read(table{options})"

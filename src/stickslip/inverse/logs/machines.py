@@ -1,0 +1,296 @@
+"""The kinds of machines that a file may be of: what each needs of a record, and how it is fitted by `ss.identify`."""
+
+from __future__ import annotations
+
+import inspect
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from stickslip.basics.errors import InputError, did_you_mean
+from stickslip.basics.spelling import spelled
+from stickslip.basics.units import quantity_of
+from stickslip.inverse.logs.sizes import Sizes, sizes_of
+from stickslip.models.friction import Coulomb, CoulombViscous, Dahl, LuGre, Stribeck
+from stickslip.models.machines import Joint
+from stickslip.models.presets import piezo_rig
+
+if TYPE_CHECKING:
+    from stickslip.records.record import Record
+
+_LEAST, _MOST = 1e-3, 3.0  # of the size of a force, between which a coefficient is sought
+
+
+@dataclass(frozen=True)
+class Task:
+    """One call of `ss.identify`, as it is made and as it is written.
+
+    Parameters
+    ----------
+    make : callable or machine
+    made_by : str
+        The expression that makes `make`.
+    free : dict
+        Bounds of the free parameters.
+    options : dict
+        Everything else.
+    """
+
+    make: Any
+    made_by: str
+    free: dict[str, tuple[Any, ...]]
+    options: dict[str, Any] = field(default_factory=dict)
+
+    def __call__(self, records: list[Any], **more: Any) -> Any:
+        """The fit."""
+        from stickslip.inverse.identification import identify
+
+        return identify(records, self.make, free=self.free, **self.options, **more)
+
+    def written(self, records: str) -> str:
+        """The call as Python; the numbers are those of the call to the last digit."""
+        free = "".join(f"        {name!r}: {bounds!r},\n" for name, bounds in self.free.items())
+        options = "".join(f"    {name}={value!r},\n" for name, value in self.options.items())
+        return f"fit = ss.identify(\n    {records},\n    {self.made_by},\n    free={{\n{free}    }},\n{options})"
+
+
+class Kind(ABC):
+    """Base of the kinds of machines."""
+
+    name: ClassVar[str]
+    words: ClassVar[str]
+    laws: ClassVar[tuple[str, ...]]
+    richer: ClassVar[tuple[str, ...]] = ()  # laws that are tried where none of the others is supported
+    takes: ClassVar[dict[str, str]] = {}  # numbers that may be typed, with what they are
+
+    @abstractmethod
+    def suits(self, rec: Record) -> str:
+        """What of a record speaks for this kind; empty where something is missing."""
+
+    def assumed(self, records: Sequence[Record], given: dict[str, Any]) -> dict[str, tuple[str, str]]:
+        """Numbers that nobody gave: name -> (value in words, why)."""
+        return {}
+
+    @abstractmethod
+    def task(self, records: Sequence[Record], law: str, given: dict[str, Any], asymmetric: bool) -> Task:
+        """How a law is fitted."""
+
+
+def quantity_in(rec: Record, role: str) -> str | None:
+    """What the channel in a role measures; None where there is none."""
+    return quantity_of(rec[role].unit) if role in rec else None
+
+
+def _moves(rec: Record, *quantities: str) -> str:
+    return next((role for role in ("position", "velocity") if quantity_in(rec, role) in quantities), "")
+
+
+def _sides(free: dict[str, tuple[Any, ...]], asymmetric: bool) -> dict[str, tuple[Any, ...]]:
+    """Coefficients of both directions apart, where that is asked for."""
+    if not asymmetric:
+        return free
+    apart: dict[str, tuple[Any, ...]] = {}
+    for name, bounds in free.items():
+        both = name.rpartition(".")[2] in ("mu", "f")
+        apart |= {f"{name}_plus": bounds, f"{name}_minus": bounds} if both else {name: bounds}
+    return apart
+
+
+def _fading(of: Sizes, load: float) -> dict[str, tuple[Any, ...]]:
+    """Bounds of static friction, and of the velocity over which it fades."""
+    return {"f": (_LEAST * of.force / load, 2 * _MOST * of.force / load), "v_s": (1e-3 * of.speed, of.speed, "log")}
+
+
+#: Laws over a measured motion: the class, and the bounds of its numbers from the sizes of force F, speed v and stroke s.
+_OVER_MOTION: dict[str, tuple[Any, Callable[[Sizes, float], dict[str, tuple[Any, ...]]]]] = {
+    "coulomb": (Coulomb, lambda of, load: {}),
+    "coulomb-viscous": (CoulombViscous, lambda of, load: {"viscous": (0.0, _MOST * of.force / of.speed)}),
+    "stribeck": (Stribeck, lambda of, load: _fading(of, load)),
+    "stribeck-viscous": (Stribeck, lambda of, load: _fading(of, load) | {"viscous": (0.0, _MOST * of.force / of.speed)}),
+    "dahl": (Dahl, lambda of, load: {"sigma0": (of.force / of.stroke, 1e5 * of.force / of.stroke, "log")}),
+    "lugre": (
+        LuGre,
+        lambda of, load: _fading(of, load) | {"sigma0": (of.force / of.stroke, 1e5 * of.force / of.stroke, "log")},
+    ),
+}
+
+
+def _rounded(bounds: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Bounds to two digits, as a person would type them."""
+    return tuple(float(f"{each:.1e}") if isinstance(each, float) else each for each in bounds)
+
+
+class Rig(Kind):
+    """A rig that moves a contact and measures its friction force; with a mass of its own where force and motion are those of a body."""
+
+    name = "rig"
+    words = "a friction rig: its friction force over its motion"
+    laws = ("coulomb", "coulomb-viscous", "stribeck", "stribeck-viscous")
+    richer = ("dahl", "lugre")
+    takes: ClassVar[dict[str, str]] = {"load": "normal force [N]"}
+    free_mass: ClassVar[bool] = False
+
+    def suits(self, rec: Record) -> str:
+        """What of a record speaks for it; empty where something is missing."""
+        motion = _moves(rec, "position", "velocity")
+        return f"a force beside a {motion}" if quantity_in(rec, "force") == "force" and motion else ""
+
+    def assumed(self, records: Sequence[Record], given: dict[str, Any]) -> dict[str, tuple[str, str]]:
+        """Numbers that nobody gave: name -> (value in words, why)."""
+        if all("load" in rec for rec in records):
+            return {}
+        return {"load": ("1", "no normal force in the file: coefficients are friction forces [N]")}
+
+    def task(self, records: Sequence[Record], law: str, given: dict[str, Any], asymmetric: bool) -> Task:
+        """How a law is fitted."""
+        cls, more = _OVER_MOTION[law]
+        of = sizes_of(records, "force")
+        measured = "load" not in given and all("load" in rec for rec in records)
+        load = float(np.nanmedian(np.concatenate([rec["load"].si for rec in records]))) if measured else float(given.get("load", 1.0))
+        if not load > 0:
+            mend = 'type numbers={"load": 20}, or mend its sign'
+            raise InputError("fit", [f"the normal force is {load:.3g} N; allowed is a positive one; {mend}"])
+        free = {"mu": (_LEAST * of.force / load, _MOST * of.force / load)} | more(of, load)
+        bounds = _sides({name: _rounded(each) for name, each in free.items()}, asymmetric)
+        # numbers without effect, which are not sought
+        rest = {"sigma1": 0.0, "sigma2": 0.0, "exponent": 2.0 if cls is Stribeck else 1.0}
+        own = {f: value for f, value in rest.items() if f in inspect.signature(cls).parameters}
+        options: dict[str, Any] = ({} if measured else {"load": load}) | own
+        if self.free_mass:
+            options["sensor"] = {"offset": None, "drift": None, "gain": ("normal", 1.0, 0.02), "inertia": None}
+        return Task(cls, f"ss.{cls.__name__}", bounds, options)
+
+
+class Slider(Rig):
+    """A body under a measured force, whose mass takes part of it."""
+
+    name = "slider"
+    words = "a body under a measured force, with a mass that is fitted too"
+    free_mass = True
+
+
+class JointLog(Kind):
+    """A joint or servo whose torque or current was logged beside its angle."""
+
+    name = "joint"
+    words = "a joint or servo: what it takes to move inertia and gravity against friction"
+    laws = ("coulomb", "coulomb-viscous", "stribeck", "stribeck-viscous")
+    takes: ClassVar[dict[str, str]] = {
+        "motor_constant": "torque for each ampere [N m/A]",
+        "gear_ratio": "turns of the motor for each of the joint",
+        "inertia": "moment of inertia, where it is known [kg m^2]",
+        "gravity_torque": "torque of gravity, where it is known; 0 about an upright axis [N m]",
+    }
+
+    def suits(self, rec: Record) -> str:
+        """What of a record speaks for it; empty where something is missing."""
+        motion, applied = _moves(rec, "angle", "angular velocity"), self._applied(rec)
+        return f"a {applied} beside an angle" if motion and applied else ""
+
+    def _applied(self, rec: Record) -> str:
+        return "torque" if quantity_in(rec, "force") == "torque" else "current" if quantity_in(rec, "current") == "current" else ""
+
+    def assumed(self, records: Sequence[Record], given: dict[str, Any]) -> dict[str, tuple[str, str]]:
+        """Numbers that nobody gave: name -> (value in words, why)."""
+        assumed = {"gear_ratio": ("1", "torque and angle on one side of the gear")}
+        if self._applied(records[0]) == "current":
+            assumed["motor_constant"] = ("1", "not in the file: numbers are in amperes, a torque each over the motor constant")
+        turns = all("position" in rec for rec in records)
+        why = "the angle is counted from where the arm hangs" if turns else "the angle was not measured"
+        assumed["gravity_torque"] = ("fitted" if turns else "0", why)
+        return assumed | {"inertia": ("fitted", "it is not known")}
+
+    def task(self, records: Sequence[Record], law: str, given: dict[str, Any], asymmetric: bool) -> Task:
+        """How a law is fitted."""
+        applied = self._applied(records[0])
+        of = sizes_of(records, "force" if applied == "torque" else "current")
+        per = float(given.get("gear_ratio", 1.0)) * (float(given.get("motor_constant", 1.0)) if applied == "current" else 1.0)
+        of = Sizes(of.force * per, of.speed, of.stroke, of.acceleration)
+        cls, more = _OVER_MOTION[law]
+        turns = all("position" in rec for rec in records)
+        free: dict[str, tuple[Any, ...]] = {"inertia": (1e-4 * of.force / of.acceleration, _MOST * of.force / of.acceleration)}
+        free |= {"gravity_torque": (-_MOST * of.force, _MOST * of.force)} if turns else {}
+        free |= {f"friction.{name}": bounds for name, bounds in ({"mu": (0.0, _MOST * of.force)} | more(of, 1.0)).items()}
+        free = {name: _rounded(bounds) for name, bounds in free.items() if name not in given}
+        example = {name: _middle(bounds) for name, bounds in free.items()}
+        friction = {name.removeprefix("friction."): value for name, value in example.items() if name.startswith("friction.")}
+        law_made = cls(**friction, **({"exponent": 2.0} if cls is Stribeck else {}))
+        own: dict[str, Any] = {name: float(given[name]) for name in self.takes if name in given}
+        own |= {"motor_constant": 1.0} if applied == "current" and "motor_constant" not in given else {}
+        joint: Joint = Joint(**({"inertia": example.get("inertia", 1.0)} | own), friction=law_made, torque=0.0)
+        options = {"sensor": {"offset": None}} if applied == "torque" else {"sensor": {"offset": None, "drift": 0.0}}
+        return Task(joint, spelled(joint, 1), _sides(free, asymmetric), options)
+
+
+def _middle(bounds: tuple[Any, ...]) -> float:
+    """A number between two bounds, nearer the lower one, so that static friction is not below kinetic friction."""
+    low, high = bounds[:2]
+    return float(f"{math.sqrt(low * high) if len(bounds) == 3 else low + 0.4 * (high - low):.2g}")
+
+
+class Shaken(Kind):
+    """A robot with an inner mass that is shaken, whose velocity (or position) was measured."""
+
+    name = "robot"
+    words = "a robot shaken by an inner mass: its steady motion over the drive's period"
+    laws = ("coulomb", "coulomb-static", "lugre")
+    takes: ClassVar[dict[str, str]] = {
+        "amplitude": "amplitude of the inner mass [m]", "tilt_deg": "tilt of the track [degrees]", "frequency": "of the drive [Hz]",
+        "body_mass": "[kg]", "inner_mass": "[kg]",
+    }  # fmt: skip
+    _free: ClassVar[dict[str, tuple[Any, ...]]] = {"mu0": (0.01, 1.0), "f0": (0.01, 1.5), "v_s": (1e-4, 0.1, "log")}
+    _of: ClassVar[dict[str, tuple[str, ...]]] = {"coulomb": ("mu0",), "coulomb-static": ("mu0", "f0"), "lugre": ("mu0", "f0", "v_s")}
+
+    def suits(self, rec: Record) -> str:
+        """What of a record speaks for it; empty where something is missing."""
+        motion = _moves(rec, "velocity", "position")
+        pushed = {"force", "current"} & {c.role for c in rec.channels.values()}
+        return f"a {motion}, and neither a force nor a current" if motion and not pushed and _over_time(rec) else ""
+
+    def assumed(self, records: Sequence[Record], given: dict[str, Any]) -> dict[str, tuple[str, str]]:
+        """Numbers that nobody gave: name -> (value in words, why)."""
+        assumed = {} if "frequency" in given else {"frequency": (f"{self._frequency(records[0]):.6g} Hz", "the line of the record")}
+        defaults = {name: p.default for name, p in inspect.signature(piezo_rig).parameters.items()}
+        return assumed | {name: (f"{defaults[name]:g} kg", "the paper's robot") for name in ("body_mass", "inner_mass")}
+
+    def _frequency(self, rec: Record) -> float:
+        return float(rec.drive_frequency().value)
+
+    def task(self, records: Sequence[Record], law: str, given: dict[str, Any], asymmetric: bool) -> Task:
+        """How a law is fitted."""
+        missing = [name for name in ("amplitude", "tilt_deg") if name not in given]
+        if missing:
+            need = "the motion of a shaken robot determines friction only where its drive is known"
+            typed = ", ".join(f'"{name}": {"5e-4" if name == "amplitude" else "1.7"}' for name in missing)
+            raise InputError(
+                "fit",
+                [f"{' and '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing: {need}; type for example numbers={{{typed}}}"],
+            )
+        hertz = float(given.get("frequency", self._frequency(records[0])))
+        own = {name: float(value) for name, value in given.items() if name != "frequency"} | {"omega": 2 * math.pi * hertz, "law": law}
+        return Task(piezo_rig, "ss.presets.piezo_rig", {name: self._free[name] for name in self._of[law]}, own)
+
+
+def _over_time(rec: Record) -> bool:
+    return any(c.axis_name != "sample" for c in rec.channels.values())
+
+
+KINDS: tuple[Kind, ...] = (Rig(), Slider(), JointLog(), Shaken())
+
+
+def kinds_for(records: Sequence[Record]) -> dict[str, tuple[Kind, str]]:
+    """The kinds that records may be of, each with what speaks for it."""
+    reasons = {kind.name: (kind, [kind.suits(rec) for rec in records]) for kind in KINDS}
+    return {name: (kind, why[0]) for name, (kind, why) in reasons.items() if all(why)}
+
+
+def kind_named(name: str) -> Kind:
+    """The kind of a name that was typed."""
+    known = {kind.name: kind for kind in KINDS}
+    if name not in known:
+        raise InputError("fit", [f"machine = {name!r}; {did_you_mean(name, known)}"])
+    return known[name]

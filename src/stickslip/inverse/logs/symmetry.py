@@ -1,0 +1,109 @@
+"""Is friction the same in both directions? A fit with one coefficient for both is freed to have two."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip.basics.notebook_display import rounded, sure
+from stickslip.basics.number_names import SIDES
+from stickslip.inverse.identification.covariance import spread_of
+from stickslip.inverse.identification.search import polished_to_end
+
+if TYPE_CHECKING:
+    from stickslip.inverse.identification.fit import Fit
+
+_CLEAR = 3.3  # standard errors beyond which a difference is one: once in a thousand, if there is none
+
+
+@dataclass(frozen=True)
+class Symmetry:
+    """Kinetic friction forwards and backwards.
+
+    Parameters
+    ----------
+    name : str
+        The coefficient.
+    mean, mean_error : float
+        Half the sum of both directions.
+    half, error : float
+        Half the difference, and its standard error; infinite where the record does not determine it.
+    unit : str
+    """
+
+    name: str
+    mean: float
+    mean_error: float
+    half: float
+    error: float
+    unit: str = ""
+
+    @property
+    def determined(self) -> bool:
+        """Whether the record tells one direction from the other."""
+        return bool(np.isfinite(self.error))
+
+    @property
+    def asymmetric(self) -> bool:
+        """Whether friction differs by direction."""
+        return self.determined and abs(self.half) > _CLEAR * self.error
+
+    def __str__(self) -> str:
+        unit = f" {self.unit}".rstrip()
+        mean = f"{self.name}: mean of both directions {rounded(self.mean, self.mean_error)} {sure(self.mean_error)}{unit}"
+        if not self.determined:
+            zero = 'the zero of the sensor looks the same; if the sensor was zeroed, type sensor={"offset": 0.0}'
+            return f"{mean}, half difference not determined: {zero}"
+        verdict = "friction differs by direction; type asymmetric=True" if self.asymmetric else "one coefficient for both is enough"
+        return f"{mean}, half difference {rounded(self.half, self.error)} {sure(self.error)}{unit}: {verdict}"
+
+
+def symmetry_of(fit: Fit, unit: str = "") -> Symmetry | None:
+    """The test of symmetry of a fit with one kinetic coefficient for both directions of a law over a measured motion; None of others.
+
+    Static friction is freed with it: else a difference of the two would be taken for one by direction.
+    """
+    name = next((name for name in fit.names if name.rpartition(".")[2] == "mu"), None)
+    if name is None or not fit.problem.batched:
+        return None
+    of = fit.problem.parameters
+    both = [f.name.rpartition(".")[2] in ("mu", "f") for f in of.free]
+    free = tuple(
+        each for f, two in zip(of.free, both, strict=True) for each in ([replace(f, name=f.name + side) for side in SIDES] if two else [f])
+    )
+    k = next(i for i, f in enumerate(free) if f.name == name + SIDES[0])
+    model = replace(fit.problem.model, parameters=replace(of, free=free, known_limits=None))
+    problem = replace(fit.problem, model=model, _memory={})
+    twice = np.repeat(np.asarray(fit.point[: len(both)], float), np.where(both, 2, 1))
+    end = polished_to_end(problem, np.concatenate([twice, fit.point[len(both) :]]))
+    spread = spread_of(problem, end.jacobian, end.residuals, fit.scale)
+    slope = [free[i].slope(end.point[i]) for i in (k, k + 1)]
+    values = [float(free[i].outer(end.point[i])) for i in (k, k + 1)]
+    own = spread[k : k + 2, k : k + 2] * np.outer(slope, slope)
+    half = float(np.sqrt(max(0.25 * (own[0, 0] + own[1, 1] - 2 * own[0, 1]), 0.0))) if np.isfinite(own).all() else float("inf")
+    return Symmetry(name, fit.values[name], fit.errors[name], 0.5 * (values[0] - values[1]), half, unit)
+
+
+def by_sides(fit: Any) -> list[Symmetry]:
+    """For each coefficient that was fitted for both directions apart: mean and half difference, as far as the record determines them."""
+    from stickslip.inverse.identification.fit_text import unit_of_parameter
+
+    found = []
+    for stem in [name.removesuffix(SIDES[0]) for name in fit.names if name.endswith(SIDES[0])]:
+        names = [stem + side for side in SIDES]
+        if names[1] not in fit.names:
+            continue
+        i, j = map(fit.names.index, names)
+        unit = unit_of_parameter(fit, names[0])
+        if not set(names) & set(fit.undetermined):
+            c = fit.covariance
+            mean, half = (0.5 * float(np.sqrt(max(c[i, i] + c[j, j] + sign * 2 * c[i, j], 0.0))) for sign in (1, -1))
+            values = fit.values[names[0]], fit.values[names[1]]
+            found.append(Symmetry(stem, 0.5 * sum(values), mean, 0.5 * (values[0] - values[1]), half, unit))
+            continue
+        whole = {formula: (value, error) for formula, value, error in fit.combinations}
+        if both := whole.get(" + ".join(names)) or whole.get(" + ".join(names[::-1])):
+            found.append(Symmetry(stem, 0.5 * both[0], 0.5 * both[1], 0.0, float("inf"), unit))
+    return found
