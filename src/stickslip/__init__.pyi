@@ -76,7 +76,6 @@ from .show.export import export_law as export_law
 from .solvers import solve as solve
 from .solvers.simulation import simulation as simulation
 from .studies import (
-    designs as designs,
     map as map,
     open_study as open_study,
     sweep as sweep,

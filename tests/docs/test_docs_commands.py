@@ -50,6 +50,8 @@ def prepared(page):
             rec = ss.virtual_rig(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=amplitude, mu0=0.17, f0=0.22), noise=1e-3, seed=i, periods=8)
             columns = np.column_stack([rec["velocity"].time, 1e3 * rec["velocity"].si])
             np.savetxt(f"run{i}.csv", columns, delimiter=",", header="t [s],LDV [mm/s]", comments="")
+    if page.stem.endswith(("-its-log", "-its-csv")):  # the first block of its own Python code writes the file
+        exec(blocks(page, "python")[0].text, {})
     if page.stem == "on-a-cluster":
         for k in (1, 2):
             words = ["piezo_rig", "law=coulomb", "tilt_deg=0..6:9", "amplitude=1e-4..8e-4:9", "--tile", "40"]
@@ -59,7 +61,11 @@ def prepared(page):
 SHOWN = {page.relative_to(ROOT).as_posix(): page for page in PAGES if [c for c in commands(page) if not c.startswith(ELSEWHERE)]}
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow) if name == "docs/bench.md" else name for name in SHOWN])
+#: Pages whose commands take seconds each.
+SLOW = ("docs/bench.md", "docs/tutorials/servo-from-its-log.md", "docs/tutorials/rig-from-its-csv.md")
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in SHOWN])
 def test_the_commands_on_a_page_run(name, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     prepared(SHOWN[name])

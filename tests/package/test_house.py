@@ -234,7 +234,7 @@ def test_at_most_seventy_names_are_in_reach_and_modules_show_nothing_but_theirs(
 @each_row(
     ("name", "hint"),
     [
-        ("fit", "type ss.identify"), ("simulate", "type ss.solve"), ("plt", "type ss.plot"), ("minimize", "type ss.optimise"),
+        ("curve_fit", "type ss.identify"), ("simulate", "type ss.solve"), ("plt", "type ss.plot"), ("minimize", "type ss.optimise"),
         ("GMS", "type ss.friction.GMS"), ("Atlas", "type ss.dynamics.Atlas"), ("rank", "type ss.identification.rank"),
         ("Simulation", "type from stickslip.solvers.simulation import Simulation"), ("sovle", "did you mean 'solve'?"),
     ],
