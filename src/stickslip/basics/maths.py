@@ -217,8 +217,12 @@ def bisected(lies_beyond: Callable[[Any], Any], low: Numeric, high: Numeric, hal
     >>> round(low, 9), round(high, 9)
     (1.414213562, 1.414213562)
     """
+    import numpy as np
+
     for _ in range(halvings):
         middle = 0.5 * (low + high)
-        beyond = lies_beyond(middle)
+        beyond, before = lies_beyond(middle), (low, high)
         low, high = where(beyond, middle, low), where(beyond, high, middle)
+        if np.array_equal(low, before[0]) and np.array_equal(high, before[1]):  # no number is left between them
+            break
     return low, high

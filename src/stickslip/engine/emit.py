@@ -20,7 +20,7 @@ from typing import Any
 
 from llvmlite import ir
 
-from stickslip.engine.expressions import FLOAT64, INT64, INTRINSICS, ON_INTEGERS, Expressions
+from stickslip.engine.expressions import FLOAT64, INT64, INTRINSICS, ON_INTEGERS, Expressions, all_statements, names_given
 
 FOLDED = {ast.Add: int.__add__, ast.Sub: int.__sub__, ast.Mult: int.__mul__}  # done at once with numbers that are known
 JOIN = {ast.And: "and_", ast.Or: "or_"}
@@ -28,6 +28,15 @@ CASTS = {"as_bits": ("bitcast", "real", "whole"), "as_float": ("bitcast", "whole
 
 
 LINE_OF_CACHE = 64  # bytes
+
+
+class _Changes(dict[ast.stmt, list[str]]):
+    """The names to which the lines of a branch or a loop give a value, listed once: a loop that is written out asks again in each round."""
+
+    def __missing__(self, node: Any) -> list[str]:
+        within = (each for statement in node.body for each in all_statements([statement]))
+        self[node] = list(dict.fromkeys(name for each in within for name in names_given(each)))
+        return self[node]
 
 
 class _Vector(Expressions):
@@ -38,9 +47,9 @@ class _Vector(Expressions):
 
     where = "a line of a step"
 
-    def __init__(self, builder: Any, data: Any, first: int, lanes: int, every: int) -> None:
+    def __init__(self, builder: Any, data: Any, first: int, lanes: int, every: int, changed: _Changes) -> None:
         super().__init__(builder, lanes)
-        self.data, self.first, self.every = data, first, every
+        self.data, self.first, self.every, self.changed = data, first, every, changed
         self.known, self.rows, self.unread = dict[str, Any](), dict[str, Any](), dict[str, int]()
 
     # ---- numbers in and out ----
@@ -49,9 +58,9 @@ class _Vector(Expressions):
         self.known[name] = self.builder.load(self.place(self.unread[name]), align=8)
         return self.known[name]
 
-    def read_changed(self, statements: list[ast.stmt]) -> None:
+    def read_changed(self, node: ast.If) -> None:
         """What lines may give a new value to has one before."""
-        for name in _changed(statements):
+        for name in self.changed[node]:
             if name in self.unread and name not in self.known:
                 self.read(name)
 
@@ -159,7 +168,8 @@ def write(builder: Any, data: Any, lanes: int, group: int, width: int, numbers: 
     given = list(numbers.values())
     function = _function(builder.module, [data.type, *(number.type for number in given)])
     own = ir.IRBuilder(function.append_basic_block())
-    vectors = [_Vector(own, function.args[0], first, width, lanes) for first in range(0, group, width)]
+    changed = _Changes()
+    vectors = [_Vector(own, function.args[0], first, width, lanes, changed) for first in range(0, group, width)]
     for vector in vectors:
         vector.known |= {name: vector.spread(number) for name, number in zip(numbers, function.args[1:], strict=True)}
         vector.unread |= reads
@@ -194,19 +204,13 @@ def _write_all(builder: Any, vectors: list[_Vector], statements: list[ast.stmt])
                 vector.visit(statement)
 
 
-def _changed(statements: list[ast.stmt]) -> list[str]:
-    """The names to which lines give a value."""
-    named = [n for statement in statements for n in ast.walk(statement) if isinstance(n, ast.Name)]
-    return list(dict.fromkeys(n.id for n in named if isinstance(n.ctx, ast.Store)))
-
-
 def _branch(builder: Any, vectors: list[_Vector], node: ast.If) -> None:
     """A branch, taken for all lanes if one of them asks for it; a name that had a value before has one of two after it."""
     if node.orelse:
         vectors[0].refuse(node)
     condition = _condition(builder, vectors, node.test)
     for vector in vectors:
-        vector.read_changed(node.body)
+        vector.read_changed(node)
     before, start = [vector.known for vector in vectors], builder.block
     for vector in vectors:
         vector.known = dict(vector.known)
@@ -270,11 +274,11 @@ def _loop(builder: Any, vectors: list[_Vector], node: ast.For) -> None:
     """One loop for all vectors; a name that had a value before takes its new one to the next round, and is known after the last."""
     name, first, end, asking = _looped(vectors[0], node)
     for vector in vectors:
-        vector.read_changed(node.body)
+        vector.read_changed(node)
     start, head, body, after = builder.block, *(builder.append_basic_block(part) for part in ("rounds", "round", "after"))
     builder.branch(head)
     builder.position_at_end(head)
-    changed = {*_changed(node.body)} - {name}
+    changed = {*vectors[0].changed[node]} - {name}
     count, carried = builder.phi(INT64), []
     count.add_incoming(first, start)
     for vector in vectors:

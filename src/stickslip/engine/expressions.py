@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import ast
 import math
+from collections import deque
+from collections.abc import Iterator
 from typing import Any, NoReturn
 
 from llvmlite import ir
@@ -24,6 +26,24 @@ INTRINSICS = {"fma": ("llvm.fma", 3), "abs": ("llvm.fabs", 1), "math.sqrt": ("ll
 _CONSTANTS = {"math.nan": math.nan, "np.nan": math.nan, "math.inf": math.inf}
 
 
+def all_statements(body: list[ast.stmt]) -> Iterator[ast.stmt]:
+    """The statements of a body and those within its branches and loops, level by level; of expressions nothing is walked through."""
+    waiting = deque(body)
+    while waiting:
+        statement = waiting.popleft()
+        yield statement
+        if isinstance(statement, (ast.For, ast.If, ast.While)):
+            waiting.extend(statement.body)
+            waiting.extend(statement.orelse)
+
+
+def names_given(statement: ast.stmt) -> list[str]:
+    """The names to which a statement itself gives a value."""
+    targets = statement.targets if isinstance(statement, ast.Assign) else [getattr(statement, "target", None)]
+    each = [part for target in targets for part in (target.elts if isinstance(target, ast.Tuple) else [target])]
+    return [part.id for part in each if isinstance(part, ast.Name)]
+
+
 class Expressions(ast.NodeVisitor):
     """Writes expressions on numbers of `lanes` lanes; a whole number that is the same for all lanes is an `INT64`.
 
@@ -36,18 +56,22 @@ class Expressions(ast.NodeVisitor):
         self.builder, self.lanes = builder, lanes
         kinds = (FLOAT64, INT64, BOOL)
         self.real, self.whole, self.truth = kinds if lanes == 1 else (ir.VectorType(kind, lanes) for kind in kinds)
+        self._constants, self._declared = dict[tuple[bool, str], Any](), dict[str, Any]()
 
     def constant(self, kind: Any, value: Any) -> Any:
-        """A constant, of each lane."""
-        return ir.Constant(kind, value if self.lanes == 1 else [value] * self.lanes)
+        """A constant, of each lane; one object for each value, since an object writes its text once."""
+        key = kind is self.truth, repr(value)
+        if key not in self._constants:
+            self._constants[key] = ir.Constant(kind, value if self.lanes == 1 else [value] * self.lanes)
+        return self._constants[key]
 
     def spread(self, x: Any) -> Any:
         """One number for all lanes."""
         if self.lanes == 1 or x.type not in (FLOAT64, INT64):
             return x
-        kind = ir.VectorType(x.type, self.lanes)
+        kind = self.real if x.type == FLOAT64 else self.whole
         if isinstance(x, ir.Constant):
-            return ir.Constant(kind, [x.constant] * self.lanes)
+            return self.constant(kind, x.constant)
         nothing, zero = ir.Constant(kind, ir.Undefined), ir.IntType(32)
         first = self.builder.insert_element(nothing, x, ir.Constant(zero, 0))
         return self.builder.shuffle_vector(first, nothing, ir.Constant(ir.VectorType(zero, self.lanes), [0] * self.lanes))
@@ -111,9 +135,10 @@ class Expressions(ast.NodeVisitor):
 
     def of_reals(self, node: ast.AST, name: str, args: list[Any]) -> Any:
         """A call of a function of LLVM."""
-        kind = ir.FunctionType(self.real, [self.real] * len(args))
-        function = self.builder.module.declare_intrinsic(name, (), kind)
-        return self.builder.call(function, [self.as_real(node, arg) for arg in args])
+        if name not in self._declared:
+            kind = ir.FunctionType(self.real, [self.real] * len(args))
+            self._declared[name] = self.builder.module.declare_intrinsic(name, (), kind)
+        return self.builder.call(self._declared[name], [self.as_real(node, arg) for arg in args])
 
     # ---- types ----
     def condition(self, node: ast.expr) -> Any:

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 from llvmlite import ir
 from numba.core import types as kinds
 
-from stickslip.engine.expressions import BOOL, FLOAT64, INT8, INT64, INTRINSICS, Expressions
+from stickslip.engine.expressions import BOOL, FLOAT64, INT8, INT64, INTRINSICS, Expressions, all_statements, names_given
 
 #: Of floats, beside `INTRINSICS`.
 OF_FLOATS = {"math.floor": "llvm.floor.f64", "math.log2": "llvm.log2.f64", "math.copysign": "llvm.copysign.f64", "math.expm1": "expm1"}
@@ -400,6 +400,6 @@ def _settled(text: ast.FunctionDef) -> set[str]:
     """The names that a function gives a value once, for all that follows: in no branch, in no loop."""
     whole = [arg.arg for arg in text.args.args]
     given = Counter(whole)
-    given.update(node.id for node in ast.walk(text) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store))
-    whole += [node.id for each in text.body if isinstance(each, ast.Assign) for node in ast.walk(each) if isinstance(node, ast.Name)]
+    given.update(name for each in all_statements(text.body) for name in names_given(each))
+    whole += [name for each in text.body if isinstance(each, ast.Assign) for name in names_given(each)]
     return {name for name in whole if given[name] == 1}

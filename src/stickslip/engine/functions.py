@@ -21,7 +21,7 @@ from llvmlite import ir
 from numba import boolean, float64, int8, int64, types, void
 from numba.core import types as kinds
 
-from stickslip.engine.expressions import BOOL, FLOAT64, INT8, INT64
+from stickslip.engine.expressions import BOOL, FLOAT64, INT8, INT64, all_statements
 from stickslip.engine.function_body import View, write_body
 
 #: Types, by the names that they have in a text.
@@ -75,7 +75,7 @@ class _Program:
             made = ir.Function(self.module, ir.FunctionType(result, takes), self.module.get_unique_name(name))
             made.linkage = "internal"
             made.attributes.add("nounwind")
-            if any(isinstance(node, (ast.For, ast.While)) for node in ast.walk(self.texts[name])):
+            if any(isinstance(node, (ast.For, ast.While)) for node in all_statements(self.texts[name].body)):
                 made.attributes.add("noinline")  # a call is nothing beside a loop, and every copy is to be compiled
             self.made[name] = made
             self.waiting.append(name)

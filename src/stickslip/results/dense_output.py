@@ -85,10 +85,10 @@ class PolynomialPieces(DensePieces):
     def evaluate(self, t: Array, index: Array) -> tuple[Array, Array, Array]:
         """x, v (time, body) and z (time, contact, state), NaN where a law has fewer, at times on the given pieces."""
         theta, h = self._within(t, index)
-        c = self.coefficients
-        y = _horner(np.moveaxis(c, 0, 1), index, theta)
+        c, at = _few(self.coefficients, index)
+        y = _horner(np.moveaxis(c, 0, 1), at, theta)
         powers, along = np.arange(1, c.shape[2] + 1), h * theta
-        ways = [self.x0[index, k] + along * _horner(c[:, state] / powers, index, theta) for k, state in enumerate(self.layout.ways)]
+        ways = [self.x0[index, k] + along * _horner(c[:, state] / powers, at, theta) for k, state in enumerate(self.layout.ways)]
         x = [_position(body, ways, y) for body in self.layout.bodies]
         v = [y[body.velocity] for body in self.layout.bodies]
         return _rows(x, len(theta)), _rows(v, len(theta)), self._of_contacts(y)
@@ -96,8 +96,9 @@ class PolynomialPieces(DensePieces):
     def inner_rates(self, t: Array, index: Array) -> Array:
         """Rates of the inner states (time, contact, state), as slopes of the polynomials."""
         theta, h = self._within(t, index)
-        slopes = self.coefficients[..., 1:] * np.arange(1, self.coefficients.shape[2])
-        return self._of_contacts(_horner(np.moveaxis(slopes, 0, 1), index, theta) / h)
+        c, at = _few(self.coefficients, index)
+        slopes = c[..., 1:] * np.arange(1, c.shape[2])
+        return self._of_contacts(_horner(np.moveaxis(slopes, 0, 1), at, theta) / h)
 
     def _within(self, t: Array, index: Array) -> tuple[Array, Array]:
         """The relative position of each time in its piece, from 0 to 1, and the length of the piece."""
@@ -146,6 +147,11 @@ def inner_rates(pieces: Any, t: Array, index: Array) -> Array:
     """
     inner = pieces.layout.most_inner
     return pieces.inner_rates(t, index) if inner else np.empty((len(t), len(pieces.layout.with_inner), 0))
+
+
+def _few(c: Array, index: Array) -> tuple[Array, Array]:
+    """The coefficients of the pieces that are asked for, and each time's place among them: few times need few pieces of a long run."""
+    return (c.take(index, axis=0), np.arange(len(index))) if len(index) < len(c) else (c, index)
 
 
 def _horner(c: Array, index: Array, theta: Array) -> Array:
