@@ -241,14 +241,26 @@ def test_a_disk_that_fills_up_leaves_the_old_file(name, tmp_path, tmp_path_facto
     assert "Traceback" not in capfd.readouterr().err
 
 
-@pytest.mark.parametrize("name", [name for name in WRITERS if name.endswith(".nc")])
-def test_a_disk_that_fills_up_leaves_the_old_file_of_hdf5(name, tmp_path):
-    """In a process of its own: the limit holds for whatever HDF5 has open in this one."""
-    code = "import pathlib, sys; from basics.test_writers import fill_up; fill_up(sys.argv[1], pathlib.Path(sys.argv[2]))"
+FILL_UP = """
+import pathlib, sys
+from basics.test_writers import fill_up
+
+for folder in map(pathlib.Path, sys.argv[1:]):
+    print(folder.name, file=sys.stderr)
+    fill_up(folder.name, folder)
+"""
+
+
+def test_a_disk_that_fills_up_leaves_the_old_file_of_hdf5(tmp_path):
+    """In a process of their own: the limit holds for whatever HDF5 has open in this one."""
+    folders = [tmp_path / name for name in WRITERS if name.endswith(".nc")]
+    for folder in folders:
+        folder.mkdir()
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT / "tests"), os.environ.get("PYTHONPATH", "")])}
-    command = [sys.executable, "-c", code, name, str(tmp_path)]
+    command = [sys.executable, "-c", FILL_UP, *map(str, folders)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False, env=environment)
     assert done.returncode == 0 and "Traceback" not in done.stderr, done.stderr
+    assert [line for line in done.stderr.splitlines() if line.endswith(".nc")] == [folder.name for folder in folders]
 
 
 @each_row("name", [name for name in WRITERS if name != "command.json"])  # which is written only where there is none

@@ -219,10 +219,11 @@ def bisected(lies_beyond: Callable[[Any], Any], low: Numeric, high: Numeric, hal
     """
     import numpy as np
 
+    ends: tuple[Any, Any] = low, high
     for _ in range(halvings):
-        middle = 0.5 * (low + high)
-        beyond, before = lies_beyond(middle), (low, high)
-        low, high = where(beyond, middle, low), where(beyond, high, middle)
-        if np.array_equal(low, before[0]) and np.array_equal(high, before[1]):  # no number is left between them
+        before, middle = ends, 0.5 * (ends[0] + ends[1])
+        beyond = lies_beyond(middle)
+        ends = where(beyond, middle, before[0]), where(beyond, before[1], middle)
+        if all(map(np.array_equal, ends, before)):  # no number is left between them
             break
-    return low, high
+    return ends
