@@ -50,7 +50,7 @@ class Order:
         """How many numbers there are, without memories."""
         return len(self.names)
 
-    def parted(self, y: Sequence[Any] | Array, zero: Any) -> tuple[tuple[Any, ...], tuple[Any, ...], tuple[Any, ...]]:
+    def split(self, y: Sequence[Any] | Array, zero: Any) -> tuple[tuple[Any, ...], tuple[Any, ...], tuple[Any, ...]]:
         """Positions and velocities of the coordinates, and inner states; `zero` is a position that is not a state."""
         q = [zero] * (self.velocities.stop - self.velocities.start)
         for j, position in zip(self.kept, y[self.places], strict=True):
@@ -77,7 +77,7 @@ def order_of(model: Model, machine: MachineAdapter | None = None) -> Order:
     ('x', 'v')
     """
     machine = machine_of(model) if machine is None else machine
-    if machine.is_single:
+    if not machine.names_parts:
         count, placed = law_of(model).states, int(knows_position(model))
         names = (*(("x",) * placed), "v", *numbered_names("z", count))
         kept = tuple(range(placed))
@@ -139,7 +139,7 @@ def needs_one_body(what: str, model: Model, why: str, hint: str = _ANY) -> None:
     the Chain has 2 bodies (module 1, module 2) and 2 contacts; allowed is one body on one contact,
     """
     machine = machine_of(model)
-    if machine.is_single:
+    if machine.one_body is not None:
         return
     bodies, contacts = machine.mechanics.bodies, machine.mechanics.contacts
     count = f"{len(bodies)} {'body' if len(bodies) == 1 else 'bodies'} ({', '.join(bodies)}) and {len(contacts)} "

@@ -50,7 +50,7 @@ def lines_of_motion(model: Model) -> list[str]:
     """All lines of a machine; `InputError` if a part of it is no formula."""
     letters = letters_of(model, [name for name, _ in leaves(model)])
     traced = replace_leaf(model, letters.symbols)
-    single = machine_of(model).is_single
+    single = machine_of(model).one_body is not None
     try:
         mechanics: Any = OneBody(traced) if single else _Parts(machine_of(traced).declaring)
         parts = [] if single else [*_of_controllers(mechanics), *_of_links(mechanics)]

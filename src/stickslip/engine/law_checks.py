@@ -21,7 +21,7 @@ from stickslip.models.machine_adapter import machine_of
 def explained(work: Any, model: Model) -> Any:
     """Do some work on a user's law; what goes wrong in it is said as what to write."""
     laws = machine_of(model).mechanics.laws
-    law_name = laws[0].name if machine_of(model).is_single else type(model).__name__
+    law_name = type(model).__name__ if machine_of(model).names_parts else laws[0].name
     for law in laws:
         check_signatures(law.law)
     try:

@@ -32,7 +32,7 @@ _NO_DRIVE = 1e-12  # m/s: a velocity for steps where the drive is off and the la
 def label(model: Model) -> str:
     """The name of a model's kind: ``LuGre × Harmonic``."""
     drive, track = machine_of(model).drive, machine_of(model).track
-    if not machine_of(model).is_single:
+    if machine_of(model).names_parts:
         laws = [law.name for law in machine_of(model).mechanics.laws]
         numbered = [str(len(laws))] if laws else []
         return " × ".join([*dict.fromkeys(laws), type(model if lists_parts(model) else model.drive).__name__, *numbered])
@@ -51,7 +51,7 @@ def trace(model: Model, observe: Observed = (), noted: bool = False) -> System:
 
 
 def _trace(model: Model, observe: Observed, noted: bool) -> System:
-    if machine_of(model).is_single:
+    if machine_of(model).one_body is not None:
         _check_contact(model)
         eq = _traced(model, not knows_position(model), observe, noted)
         check_as_written(model)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from stickslip.basics.contracts import Drive, Model, Track
+from stickslip.basics.contracts import Drive, Model, OneContact, Track
 from stickslip.basics.errors import InputError
 from stickslip.models.drives.drive_adapter import drive_of, unlikely
 from stickslip.models.drives.within import drives_within
@@ -48,6 +48,16 @@ class MachineAdapter:
     def is_single(self) -> bool:
         """Whether it is one body with one contact, whose results have no axes for bodies and contacts."""
         return not declares_parts(self.model)
+
+    @property
+    def names_parts(self) -> bool:
+        """Whether its states and columns carry the names of its bodies and contacts, such as "v.head"."""
+        return not self.is_single
+
+    @property
+    def one_body(self) -> OneContact | None:
+        """The model where it is one body on one contact, with a law and a load of its own; None where it lists bodies and contacts."""
+        return self.model if self.is_single else None
 
     @property
     def principal(self) -> str | None:

@@ -52,7 +52,7 @@ def mirrored(robot: Model) -> Any:
     True
     """
     image = _image(robot)
-    wrong = _unmirrored(robot, image) if machine_of(robot).is_single else ""
+    wrong = _unmirrored(robot, image) if machine_of(robot).one_body is not None else ""
     if wrong:
         why = f"the mirror images of its parts do not make up its mirror image: {wrong} is another one"
         allowed = "allowed are machines that drive, friction and track define completely"

@@ -128,7 +128,7 @@ def pushed(machine: Model) -> Any:
     ((0.0, 0.0), 0.0)
     """
     mechanics = fresh_mechanics(machine)  # which refuses equations that its parts do not say
-    return PushedBody(machine) if machine_of(machine).is_single else PushedParts(machine, (0.0,) * len(mechanics.bodies))
+    return PushedBody(machine) if machine_of(machine).one_body is not None else PushedParts(machine, (0.0,) * len(mechanics.bodies))
 
 
 def force_names(machine: Model) -> dict[str, str]:
@@ -145,7 +145,7 @@ def force_names(machine: Model) -> dict[str, str]:
     {'torque on joint': 'applied.0'}
     """
     adapter = machine_of(machine)
-    if adapter.is_single:
+    if not adapter.names_parts:
         return {"force": "applied"}
     bodies, turns = adapter.mechanics.bodies, bool(getattr(machine, "rotary", False))
     names = {f"{'torque' if turns else 'force'} on {body}": f"applied.{i}" for i, body in enumerate(bodies)}

@@ -111,7 +111,7 @@ def handles(model: Model) -> str | None:
     'LuGre is a dynamic law (rate and force); exact arcs need a set-valued law (sliding and breakaway)'
     """
     kind = type(model).__name__
-    if not machine_of(model).is_single:
+    if machine_of(model).one_body is None:
         return f"{kind} has several bodies or contacts; exact arcs are closed formulas for one"
     rubs = law_of(model)
     law = rubs.name

@@ -256,11 +256,10 @@ class MachineCase:
         """As `Trajectory.events` has them."""
         pieces, machine = self.pieces(rows, before, after), self._machine
         hits: list[Any] = []
-        several = not machine.is_single
-        aloft = aloft_of(pieces, machine.laws if several else ())
+        aloft = aloft_of(pieces, machine.laws)
         if self._flies:
             aloft[0], aloft[-1] = before.aloft, after.aloft
-        if several and machine.mechanics.stops:
+        if machine.mechanics.stops:
             hits = hits_of(pieces, machine.mechanics, float(machine.velocity_scale), float(machine.time_scale or 1.0))
         hits += flights_of(pieces, aloft)
         impulses = self._impulses(before.t, after.t)

@@ -194,7 +194,7 @@ class RungeKutta:
     def accepts(self, model: Model) -> str | None:
         """One body on one contact, of what a plain script knows."""
         machine = machine_of(model)
-        if not machine.is_single:
+        if machine.one_body is None:
             return f"it takes one body on one contact, and {type(model).__name__} lists several"
         why = _of_laws(model, dynamic=machine.has_inner_states)
         if why is not None:

@@ -130,7 +130,7 @@ def of_own_parts(columns: dict[str, Callable[[], Any]], machine: MachineAdapter)
 
 def left_out(machine: MachineAdapter) -> tuple[str, ...]:
     """Columns that a machine of one body on one contact does not have, or one with a principal body, whose mean velocity says it all."""
-    return OF_SEVERAL if machine.is_single else _OF_EACH_BODY if machine.own else ()
+    return (_OF_EACH_BODY if machine.own else ()) if machine.names_parts else OF_SEVERAL
 
 
 def _dim(name: str) -> str:

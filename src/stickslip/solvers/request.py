@@ -155,7 +155,7 @@ def _check_names(labels: Labels, given: Settings, problems: Problems) -> None:
 
 def _start_states(model: Model, labels: Labels, start: Any, problems: Problems) -> Any:
     """Start values as a table (cases, 2 + inner states + memories)."""
-    if not machine_of(model).is_single:
+    if machine_of(model).names_parts:
         return start_of_parts(model, labels, start, problems)
     law, cases = law_of(model), labels.cases
     inner, memories = law.states, law.modes

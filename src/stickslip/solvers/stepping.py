@@ -83,7 +83,7 @@ def _failures(todo: Request, results: lanes.Results, kernel: lanes.Kernel, table
 
 def _state(todo: Request, end: Any, offsets: Any, layout: StateLayout) -> str:
     """The state at which a run stopped, each number with its name and unit."""
-    if not todo.machine.is_single:
+    if todo.machine.names_parts:
         velocities = end[1 : 1 + len(offsets)] + offsets
         values = [*velocities, *end[1 + len(velocities) :]]
         return ", ".join(f"{name} = {float(value):.9g}" for name, value in zip(layout.names, values, strict=False))

@@ -44,7 +44,7 @@ def solve_to_end(robot: Model, start: dict[str, Any], options: dict[str, Any], w
 
 def unfollowed(robot: Model, method: str) -> str | None:
     """The reason why the final states of a robot are unavailable, as a sentence; None if they are available."""
-    if not machine_of(robot).is_single:
+    if machine_of(robot).one_body is None:
         what = f"a {type(robot).__name__} has several bodies, and a case is started from the state of one"
         return f"continue_along needs the end states of one body, and {what}; leave it out"
     law = law_of(robot)

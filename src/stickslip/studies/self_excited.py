@@ -61,7 +61,7 @@ def motion_columns(robot: Model, start: dict[str, Any], options: dict[str, Any],
             lacking: Any = {"pattern": "", "motion_type": "unsolved"}.get(name, np.nan)
             if names:
                 columns[name] = np.array([[lacking if m is None else value(m, each) for each in names] for m in motions])
-    columns["direction"] = _directions(columns, machine_of(robot).is_single)
+    columns["direction"] = _directions(columns, not machine_of(robot).names_parts)
     return columns
 
 

@@ -111,7 +111,7 @@ def kept_columns(plan: Plan) -> tuple[str, ...]:
 
 def _not_of(machine: MachineAdapter | None) -> set[str]:
     """Columns that do not apply to a machine; None counts as a robot."""
-    if machine is None or machine.is_single:
+    if machine is None or not machine.names_parts:
         return {*parts.OF_SEVERAL, "friction_power"}
     dims = {*machine.part_names, *machine.own}
     lacking = {name for name in COLUMNS if VARIABLES[name].dims and VARIABLES[name].dims[0] not in dims}  # such as those of stops
@@ -193,8 +193,7 @@ def columns_of(
     columns_kept |= {name: many.columns[name] for name in observed}
     if derived:
         columns_kept |= next(iter(derived.values())).values(robot, count, derived, options["periods"])
-    if machine_of(robot).is_single:
-        columns_kept |= _power(robot, many.columns, more) | _alphas(robot)
+    columns_kept |= _power(robot, many.columns, more) | _alphas(robot)
     if settle is not None:
         of_motions = motion_columns(robot, start, options, settle, columns_kept["status"])
         columns_kept |= {name: values if names else np.reshape(values, len(values)) for name, values in of_motions.items()}
@@ -236,7 +235,7 @@ def _along_the_ways(robot: Any, columns: dict[str, Array], more: dict[str, Array
 
 def _alphas(robot: Model) -> dict[str, Array]:
     """alpha_plus and alpha_minus of the robot, or of its twin with Coulomb friction at the kinetic coefficients, if it has one."""
-    if not machine_of(robot).is_single:
+    if machine_of(robot).one_body is None:
         return {}
     twin = coulomb_twin(robot)
     if twin is None or handles(twin) is not None:

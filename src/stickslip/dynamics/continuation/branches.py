@@ -85,7 +85,7 @@ class Branch(Drawn):
         import xarray as xr
 
         of = adapter_of(self.orbits[0].model)
-        single = of.has_bodies and machine_of(self.orbits[0].model).is_single
+        single = of.has_bodies and not machine_of(self.orbits[0].model).names_parts
         coords: dict[str, Any] = {self.parameter: ("point", self.values, self.family.describe(self.parameter))}
         names, when = self.orbits[0].names, "on the strobe" if self.orbits[0].model.period is not None else "at the start of the cycle"
         columns: dict[str, Any] = {

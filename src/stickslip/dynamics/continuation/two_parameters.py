@@ -216,7 +216,7 @@ def _is_of_arcs(special: Special) -> bool:
     if not adapter_of(model).has_bodies or isinstance(special.orbit, LimitCycle) or special.kind != "type-border":
         return False
     machine = machine_of(model)
-    return machine.is_single and not machine.has_inner_states and not knows_position(model)
+    return machine.one_body is not None and not machine.has_inner_states and not knows_position(model)
 
 
 def _check_border(special: Special) -> None:

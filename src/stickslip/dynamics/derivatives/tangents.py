@@ -167,7 +167,7 @@ class Follower:
 
 def _parted(at: Coordinates, states: Array) -> tuple[list[Array], list[Array], list[Array], Array]:
     """Columns of positions, velocities, inner states and memories."""
-    q, u, z = at.order.parted(list(states.T[: at.smooth]), np.zeros(len(states)))
+    q, u, z = at.order.split(list(states.T[: at.smooth]), np.zeros(len(states)))
     return list(q), list(u), list(z), states[:, at.smooth :].T
 
 

@@ -264,7 +264,7 @@ def _settled(model: Model, start: Any, asked: Asked) -> Any:
     from stickslip.solvers import solve
 
     options: dict[str, Any] = {"rtol": 1e-8} if machine_of(model).has_inner_states else {}
-    for longer in (1,) if machine_of(model).is_single else _LONGER:
+    for longer in _LONGER if machine_of(model).turning_velocity is None else (1,):
         run = solve(model, duration=longer * _SETTLING * clock(model), start=start, samples=longer * _SAMPLES, **options)
         t = passages(run, cut_of(run, asked))
         if len(t) > 2 and coordinates(model).distance(*states_of_returns(run, t[-2:])) < _REPEATS:

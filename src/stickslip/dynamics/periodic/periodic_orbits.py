@@ -301,7 +301,7 @@ def orbit_near(model: Model, period: int, state: Array, at: Coordinates) -> Peri
     took = float(strobe_map(model, state[None, :], period, 1e-10, at).duration[0])
     if not adapter_of(model).has_bodies:
         return cycle_of_flow(model, state, took, at)
-    turns = machine_of(model).is_single and at.section.name == "v"
+    turns = machine_of(model).turning_velocity is not None and at.section.name == "v"
     section = TURN if turns else Section(at.section.index, float(at.section.value))
     return limit_cycle(model, period, LimitCycle(model, period, state, took, np.nan, RTOL, section=section))
 

@@ -45,9 +45,9 @@ def needs_model(what: str, model: Model, driven: bool = True, batch: bool = Fals
     if driven and model.period is None:
         why = f"{type(model).__name__} has no period, so it has no strobe; allowed are models with a periodic drive"
         cycle = "for its limit cycle type ss.periodic_orbit(mechanism), to follow it ss.continuation"
-        hint = cycle if machine_of(model).is_single else "type ss.solve(machine, duration=...) for its motion from a start"
+        hint = cycle if machine_of(model).one_body is not None else "type ss.solve(machine, duration=...) for its motion from a start"
         raise InputError(what, [f"{why}; {hint}"])
-    if driven and not machine_of(model).is_single and _drifts(model):
+    if driven and machine_of(model).one_body is None and _drifts(model):
         kind = type(model).__name__
         raise InputError(what, [f"the equations of {kind} have positions in them, but with these numbers bodies can be shifted together "
                                 "and no force changes (by a link of stiffness 0, or as nothing joins two groups of them): they drift "
@@ -80,7 +80,7 @@ def _drifts(model: Model) -> bool:
         y = list(random.uniform(-speed, speed, order.states))
         positions = variables(*(y[order.places]))
         y[order.places] = [position * (10.0**power * largest_size(machine_of(one).time_scale)) for position in positions]
-        q, u, _ = order.parted(y, 0.0)
+        q, u, _ = order.split(y, 0.0)
         t = float(random.uniform(0.0, 1.0)) * float(one.period)
         free = mechanics.accelerations(t, q, u, (0.0,) * len(mechanics.contacts))
         forces = [*free, *mechanics.loads(t, q), *mechanics.control_answers(t, q, u)]

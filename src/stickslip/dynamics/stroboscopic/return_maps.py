@@ -106,7 +106,7 @@ def _returned(model: Model, states: Array, returns: int, rtol: float, at: Coordi
     order, count = at.order, len(states)
     tableau, tolerance = map_method(model, rtol)
     kernel = lanes.kernel_of(model, tableau, False, made=until_section)
-    q, u, z = order.parted(list(states.T[: at.smooth]), np.zeros(count))
+    q, u, z = order.split(list(states.T[: at.smooth]), np.zeros(count))
     start = np.column_stack([*q, *u, *z, np.round(states[:, at.smooth :])])
     section, column = at.section, _column(at, kernel)
     if table is None or table.rows[0, kernel.names.index(RETURNS)] != returns:

@@ -100,7 +100,7 @@ class Coordinates:
     def _start_of_parts(self, state: Array) -> dict[str, Any]:
         """Positions and velocities by body, inner states and memories by contact."""
         columns, m = np.moveaxis(state[..., : self.smooth], -1, 0), self.mechanics
-        q, u, z = self.order.parted(columns, np.zeros_like(columns[0]))
+        q, u, z = self.order.split(columns, np.zeros_like(columns[0]))
         start = {
             what: {name: np.asarray(value)[()] for name, value in zip(m.bodies, values, strict=True)}
             for what, values in (("x", m.positions(0.0, q)), ("v", m.velocities(0.0, u)))
@@ -263,7 +263,7 @@ def coordinates(model: Model) -> Coordinates:
     memories = sum(law.modes for law in laws)
     names = (*order.names, *_memory_names(machine))
     sized = np.array(scales + [1.0] * memories)
-    return Coordinates(names, sized, order, memories, None if machine.is_single else mechanics, _wavelength(machine, order))
+    return Coordinates(names, sized, order, memories, mechanics if machine.names_parts else None, _wavelength(machine, order))
 
 
 def _wavelength(machine: Any, order: Order) -> float | None:
@@ -308,7 +308,7 @@ def states_of_parts(what: str, model: Model, start: Any, at: Coordinates | None 
 
 def _memory_names(machine: MachineAdapter) -> tuple[str, ...]:
     """Names of what laws remember, by contact where there are several."""
-    if machine.is_single:
+    if not machine.names_parts:
         return numbered_names("memory", machine.laws[0].modes)
     contacts = zip(machine.mechanics.contacts, machine.laws, strict=True)
     return tuple(f"memory.{name}.{k}" for name, law in contacts for k in range(law.modes))
@@ -417,7 +417,7 @@ def _steps(model: Model, rtol: float) -> tuple[Any, float]:
 def _ended(model: Model, results: Any, table: Any, end: Array, periods: int) -> Ends:
     """Results of lanes in the form of the strobe map."""
     segments = _segments(results, len(machine_of(model).laws), table.span)
-    if not machine_of(model).is_single:
+    if machine_of(model).one_body is None:
         none = np.full(len(end), np.nan)
         return Ends(end, results.displacement, results.status, none, none, segments)
     offset = table.offsets[:, 0]
@@ -447,7 +447,7 @@ def run_lanes(
         check_functions(model)
         check_period(model)
     kernel = lanes.kernel_of(model, tableau, record=auto and cases == 1)
-    q, u, z = order.parted(list(states.T[: at.smooth]), np.zeros(cases))
+    q, u, z = order.split(list(states.T[: at.smooth]), np.zeros(cases))
     span = (0.0 if model.period is None else spread_over_cases(model.period, labels_of(model))) if span is None else span
     start = np.column_stack([*q, *u, *z, np.round(states[:, at.smooth :])])
     table = CaseTable(model, kernel, start, span) if table is None else table.restarted(start)

@@ -95,7 +95,7 @@ class SteadyCurve(TransientCurve):
     @property
     def end(self) -> dict[str, Any]:
         """The strobe point, from which a neighbouring robot is started."""
-        if not machine_of(self.run.model).is_single:
+        if machine_of(self.run.model).names_parts:
             return coordinates(self.run.model).start(strobe_states(self.run)[-1])
         z = self.run.strobe_z
         return {"v": float(self.run.strobe_v[-1])} | ({} if z is None else {"z": z[-1].tolist() if z.ndim > 1 else float(z[-1])})
@@ -134,7 +134,7 @@ def _still_nearing(v: Array, p: int, tolerance: float) -> bool:
 def _nearer(run: Any, v: Array) -> dict[str, Any]:
     """A start nearer to the limit of the strobe points."""
     end = SteadyCurve(run, 1, False).end
-    if not machine_of(run.model).is_single:
+    if machine_of(run.model).names_parts:
         return end
     last, before = v[-1] - v[-2], v[-2] - v[-3]
     ratio = last / before if before else 0.0

@@ -20,7 +20,7 @@ _SAME = 1e-6  # of the mean velocity: attractors nearer to each other are one
 def from_other_starts(model: Model, V: float) -> list[str]:
     """A sentence where a push forwards or backwards leads to another mean velocity."""
     machine = machine_of(model)
-    if not machine.is_single:
+    if machine.one_body is None:
         return []
     speed, at = float(machine.free_velocity), coordinates(model)
     kick = [0.0 if name != "v" else 1.0 for name in at.names]

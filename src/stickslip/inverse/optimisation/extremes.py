@@ -193,7 +193,7 @@ class Looked:
         """States as lanes have them, at some times."""
         run = self.run.with_axes
         states = coordinates_in(self.model, *run._states_at(t, run._index(t)))
-        q, u, inner = self.at.order.parted(list(np.column_stack(states)[:, : self.at.smooth].T), np.zeros(len(t)))
+        q, u, inner = self.at.order.split(list(np.column_stack(states)[:, : self.at.smooth].T), np.zeros(len(t)))
         return self._whole.table.placed(np.column_stack([*q, *u, *inner]), np.zeros(len(t), int))[:, 1:]
 
     def _known(self, t: Numeric, y: Array, piece: Array) -> dict[str, Any]:

@@ -26,7 +26,7 @@ def nearness(machines: Any, count: int, forwards: bool) -> Array | None:
     >>> round(float(nearness(robot, 1, forwards=True)[0]), 4)  # 0.2 A omega^2 / (0.1 g)
     0.2039
     """
-    if not machine_of(machines).is_single:
+    if machine_of(machines).one_body is None:
         return None
     T = np.broadcast_to(np.asarray(machines.period, float), (count,))
     t = np.arange(_POINTS)[:, None] / _POINTS * T

@@ -51,7 +51,7 @@ def results_of(
 def quantities(model: Model) -> list[str]:
     """Names of the results of a machine that are numbers."""
     known = [name for name, kind in COLUMNS.items() if kind == "f8" and name not in ("alpha_plus", "alpha_minus")]
-    if machine_of(model).is_single:
+    if not machine_of(model).names_parts:
         return [name for name in known if name not in ("body_velocity", "body_displacement", "slip_max", "slip_min")]
     return [name for name in known if name not in ("drive_power", "cost_of_transport")]
 

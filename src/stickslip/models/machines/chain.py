@@ -189,7 +189,7 @@ def _check_modules(modules: Any, problems: Problems) -> None:
     problems.mistakes += [
         f"modules[{i}] = {each!r}; allowed is a Robot whose drive prescribes the motion of its inner mass"
         for i, each in enumerate(modules)
-        if not hasattr(each, "drive") or isinstance(each, type) or not machine_of(each).is_single
+        if not hasattr(each, "drive") or isinstance(each, type) or machine_of(each).drive is None
     ]
 
 

@@ -151,13 +151,7 @@ def _strobed(orbit: Any, observable: str) -> Any:
         return orbit.state[column : column + 1]
     if not run.pieces.layout.bodies:
         return run.strobe[: orbit.period, column]
-    if not machine_of(run.model).is_single:
-        return strobe_states(run)[: orbit.period, column]
-    if observable in ("x", "v"):
-        return (run.strobe_x if observable == "x" else run.strobe_v)[: orbit.period]
-    family = observable.rstrip("0123456789")
-    states = np.asarray(run.strobe_memory if family == "memory" else run.strobe_z)[: orbit.period]
-    return states if states.ndim == 1 else states[:, int(observable[len(family) :] or 0)]
+    return strobe_states(run)[: orbit.period, column]
 
 
 def _line(ax: Axes, branch: Any, observable: str, values: Array, right: float, up: float, colour: str, name: str) -> None:

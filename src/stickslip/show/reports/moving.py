@@ -83,7 +83,7 @@ def stage(model: Model) -> list[dict[str, Any]]:
     """
     machine = machine_of(model)
     mechanics: Any = machine.mechanics
-    if machine.is_single:
+    if not machine.names_parts:
         masses = [float(mass) for mass, _ in machine.inner_masses]
         bodies = [{"name": "body", "mass": float(mechanics.masses[0]) - sum(masses), "place": [0, 0]}]
         names = ["inner mass"] if len(masses) == 1 else [f"inner mass {j + 1}" for j in range(len(masses))]

@@ -48,7 +48,7 @@ def _case(todo: Request, i: int) -> Any:
 
 def _nothing(model: Model) -> dict[str, Any]:
     """Results of a case that could not be solved."""
-    if machine_of(model).is_single:
+    if machine_of(model).one_body is not None:
         return dict(strobes.NOTHING)
     m = machine_of(model).mechanics
     return {**strobes.NOTHING, "parts": no_parts(len(m.bodies), len(m.contacts), len(m.named_stops))}

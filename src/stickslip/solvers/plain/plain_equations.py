@@ -63,7 +63,8 @@ class Equations:
     def __init__(self, model: Model):
         machine = machine_of(model)
         self.model, self.mechanics = model, (mechanics := machine.mechanics)
-        self.laws, self.stops, self.single, self.principal = mechanics.laws, mechanics.stops, machine.is_single, machine.principal
+        self.laws, self.stops, self.principal = mechanics.laws, mechanics.stops, machine.principal
+        self.single = machine.one_body is not None
         self.masses = [float(m) for m in mechanics.masses]
         self.rows = [tuple(map(float, row)) for row in (*mechanics.directions, *(stop.direction for stop in self.stops))]
         self.weights = [[g / m for g, m in zip(row, self.masses, strict=True)] for row in self.rows]

@@ -20,7 +20,7 @@ def reduced(todo: Request, model: Model, pieces: DensePieces, case: int) -> dict
     """Raw results of one case."""
     T = float(todo.span[case])
     run = Trajectory(model, pieces, todo.periods, todo.settle, todo.rtol, todo.method)
-    if not machine_of(model).is_single:
+    if machine_of(model).one_body is None:
         return reduced_parts(todo, run.with_axes)
     strobe = _strobe(run)
     period, limit = outcome_of(model, strobe, todo.method, todo.rtol)

@@ -195,7 +195,7 @@ def _pattern_of(orbit: PeriodicOrbit) -> str:
     """Of a machine of several bodies the patterns of all contacts; where laws never rest exactly its reversals say all that is sharp."""
     if not adapter_of(orbit.model).has_bodies:
         return f"{len(orbit.events)} switches to {', '.join(map(str, orbit.pattern))}" if orbit.events else "no switch"
-    if not machine_of(orbit.model).is_single:
+    if machine_of(orbit.model).names_parts:
         return "" if _is_dynamic(orbit) else _BETWEEN.join(orbit.patterns.values())
     return orbit.type if _is_dynamic(orbit) else orbit.pattern
 
