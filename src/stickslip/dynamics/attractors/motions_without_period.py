@@ -52,7 +52,7 @@ class GroupOfStarts:
 
     def __init__(self, batch: Any, watched: WatchedStarts, rtol: float, rows: Array, late: str):
         self.of, self.rtol, self.rows, self.late = watched, rtol, rows, late
-        self.model, self.at = cases_of(some_of(batch, rows[:1]))[0], watched.at.of(rows[:1])
+        self.model, self.at = cases_of(some_of(batch, rows[:1]))[0], watched.at.of(int(rows[0]))
         self.orbits: list[tuple[Array, float, Array]] = []
         self.tries, self.longer = 0, _TRIES
 

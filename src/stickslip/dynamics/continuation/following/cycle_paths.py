@@ -15,12 +15,12 @@ from stickslip.dynamics.periodic.cycle_sections import TURN, Section
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle
 from stickslip.dynamics.periodic.newton import Root
 from stickslip.dynamics.stroboscopic.strobe_maps import state_at
-from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.model_adapter import adapter_of
 
 _WELL = 1e-11  # residual of the cycles that are used
 _NEAR, _ERRORS = 10, 4.0  # cycles from which it is continued, and standard errors
+_CLOSED = 1e-12  # of the parameter: how well cycles close, and so how well they tell where they end
 _BIRTH = 1e-3  # of the range: how near to where cycles are born their sizes are read
 _WIDER = (1.0, 10.0, 100.0)  # among cycles that are nearer than rounding leaves their rests to be told
 _TURN = 1e-6  # of the velocity scale: the spring turns where its rate is that small
@@ -103,6 +103,11 @@ class CyclePath(Path):
         return LimitCycle(model, self.period, state, float(u[-1] * self.unit), root.residual, self.rtol, section=self.section)
 
 
+def rests_on_one_contact(model: Any) -> bool:
+    """Whether a model is a machine with one contact, on which it rests exactly: how long it does says where that ends."""
+    return not is_flow(model) and len(laws := machine_of(model).laws) == 1 and not laws[0].dynamic
+
+
 def vanishing(path: Path, points: list[Point]) -> tuple[float, float] | None:
     """Where the rest of stick-slip cycles vanishes, if their branch ends because of that, and how sure that is; None if not.
 
@@ -110,7 +115,7 @@ def vanishing(path: Path, points: list[Point]) -> tuple[float, float] | None:
     continued to zero, from the last points, and then from more cycles among them, whose scatter says how sure that is.
     """
     last = points[-1]
-    if not isinstance(path, CyclePath) or not path.section.turns or law_of(last.orbit.model).dynamic:
+    if not isinstance(path, CyclePath) or not rests_on_one_contact(last.orbit.model):
         return None
     kept = [(p.value, _rest(p.orbit) ** 2) for p in points if p.orbit.residual < _WELL][-3:]
     if len(kept) < 3 or not kept[0][1] > kept[1][1] > kept[2][1] > 0.0 or kept[-1][1] > (_SHORT * last.orbit.duration) ** 2:
@@ -175,11 +180,22 @@ def _near(path: CyclePath, last: Point, values: Array) -> tuple[Array, Array] | 
 
 
 def _fitted(values: Array, rests: Array) -> tuple[float, float]:
-    """Where the parabola through all points vanishes, and how sure that is: by their scatter, and by what a cubic says."""
-    scaled, middle = rests / rests.max(), float(values.mean())
-    (fitted, cov), cubic = np.polyfit(scaled, values - middle, 2, cov=True), np.polyfit(scaled, values - middle, 3)
-    unsure = _ERRORS * np.sqrt(cov[2, 2]) + abs(cubic[3] - fitted[2]) + 8 * np.spacing(abs(middle))
-    return middle + float(fitted[2]), float(unsure)
+    """Where the rest vanishes in a series through all points, and how sure that is: by their scatter, and by what one more power says.
+
+    The series begins with the square of the time at rest; the third power is there too under a law with a corner where the contact rests.
+    """
+    scaled, middle = np.sqrt(rests / rests.max()), float(values.mean())
+    powers = scaled[:, None] ** np.array([0, 2, 3, 4, 5])
+    (fitted, error), (more, _) = (_series(powers[:, :count], values - middle) for count in (4, 5))
+    unsure = _ERRORS * error + abs(more - fitted) + _CLOSED * abs(middle)
+    return middle + fitted, float(unsure)
+
+
+def _series(powers: Array, values: Array) -> tuple[float, float]:
+    """The constant of a series by least squares, and its standard error."""
+    found, *_ = np.linalg.lstsq(powers, values, rcond=None)
+    scatter = float(np.sum((values - powers @ found) ** 2)) / (len(values) - powers.shape[1])
+    return float(found[0]), float(np.sqrt(scatter * np.linalg.inv(powers.T @ powers)[0, 0]))
 
 
 def _rest(cycle: LimitCycle, turn: int = 0) -> float:

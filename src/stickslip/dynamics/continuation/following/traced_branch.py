@@ -11,14 +11,13 @@ import numpy as np
 from stickslip.basics.contracts import Array
 from stickslip.basics.interruption import look, partial_result
 from stickslip.basics.progress import Reported
-from stickslip.dynamics.continuation.following.cycle_paths import CyclePath, birth, border_of_rest, vanishing
+from stickslip.dynamics.continuation.following.cycle_paths import CyclePath, birth, border_of_rest, rests_on_one_contact, vanishing
 from stickslip.dynamics.continuation.following.pseudo_arclength import Path, Point
 from stickslip.dynamics.continuation.following.steps import STOPPED, follow
 from stickslip.dynamics.continuation.special_points.accuracy import Special, certain
 from stickslip.dynamics.continuation.special_points.between_neighbours import Located, located
 from stickslip.dynamics.continuation.special_points.grazing import grazed, grazing_end, grazing_near
 from stickslip.dynamics.continuation.special_points.own_events import Event
-from stickslip.models.friction.law_adapter import law_of
 
 _AGAIN = 3.0  # accuracies within which two borders are one
 _ROUND = 0.9  # minus the cosine from which on a vector has turned round
@@ -105,7 +104,7 @@ def _known(special: list[Special], candidate: Special) -> bool:
 def _special(path: Path, points: list[Point], b: Point, s: Located) -> Special:
     """A special point between the last point and another, as well as it is known from the motions beside it."""
     known: tuple[float, float] | None = None
-    if s.kind == "type-border" and isinstance(path, CyclePath) and path.section.turns and not law_of(s.point.orbit.model).dynamic:
+    if s.kind == "type-border" and isinstance(path, CyclePath) and rests_on_one_contact(s.point.orbit.model):
         known = _rest_begins(path, points, b, s)
     elif s.kind == "grazing":
         known = _touch_begins(path, points[-1], b, s)

@@ -1,0 +1,219 @@
+"""Published kinds of self-excited machines against SciPy and formulas: where stick-slip ends, two blocks, a drill string, a hunting joint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+import stickslip as ss
+from rows import each_row
+from stickslip.maths import exp, where
+
+K, DAMPING, MU, F, V_S = 2.0, 0.3, 1.0, 1.5, 0.2
+
+
+@dataclass(frozen=True)
+class Exponential:
+    """Friction that weakens exponentially with the speed of the slip."""
+
+    kinetic: float = MU
+    static: float = F
+    speed: float = V_S
+
+    def sliding(self, v, load):
+        return where(v > 0, 1.0, -1.0) * load * (self.kinetic + (self.static - self.kinetic) * exp(-abs(v) / self.speed))
+
+    def breakaway(self, load):
+        return -self.static * load, self.static * load
+
+
+@dataclass(frozen=True)
+class Weakening:
+    """N / (1 + 3 |w|), of Galvanetto and Bishop's blocks."""
+
+    rate: float = 3.0
+
+    def sliding(self, v, load):
+        return where(v > 0, 1.0, -1.0) * load / (1 + self.rate * abs(v))
+
+    def breakaway(self, load):
+        return -load, load
+
+
+STRIBECK = ss.Stribeck(mu_plus=MU, mu_minus=MU, f_plus=F, f_minus=F, v_s=V_S)
+LUGRE = ss.LuGre(mu_plus=MU, mu_minus=MU, f_plus=F, f_minus=F, sigma0=1e3, sigma1=10.0, sigma2=0.0, v_s=V_S)
+
+
+def belt(law: Any, speed: float = 0.55) -> Any:
+    return ss.BlockOnBelt(mass=1.0, stiffness=K, speed=speed, friction=law, damping=DAMPING)
+
+
+CURVES = {"Stribeck": lambda w: MU + (F - MU) * np.exp(-((w / V_S) ** 2)), "Exponential": lambda w: MU + (F - MU) * np.exp(-abs(w) / V_S)}
+LAWS = {"Stribeck": STRIBECK, "Exponential": Exponential()}
+
+
+def _beyond(curve: Any, speed: float) -> float:
+    """By how much the slide from break-away is faster than the belt where its acceleration vanishes, by SciPy alone."""
+    field = lambda t, y: (y[1], curve(y[1] - speed) - K * y[0] - DAMPING * y[1])  # noqa: E731
+    top = lambda t, y: curve(y[1] - speed) - K * y[0] - DAMPING * y[1]  # noqa: E731
+    top.terminal, top.direction = True, -1.0  # type: ignore[attr-defined]
+    how: dict[str, Any] = {"rtol": 1e-13, "atol": 1e-15, "method": "DOP853"}
+    y = solve_ivp(field, (0.0, 1e-3), ((F - DAMPING * speed) / K, speed), **how).y[:, -1]
+    return float(solve_ivp(field, (0.0, 30.0), y, events=top, **how).y_events[0][0][1]) - speed
+
+
+@each_row("name, low, high", [("Stribeck", 0.6, 0.7), ("Exponential", 0.6, 0.68)])
+def test_stick_slip_ends_where_the_slide_just_reaches_the_speed_of_the_belt(name, low, high):
+    """Both branches: the stable cycle that rests ends there, and the unstable one that only slides goes back from it (subcritical)."""
+    end = brentq(lambda speed: _beyond(CURVES[name], speed), low, high, xtol=1e-14, rtol=1e-14)
+    branch = ss.continuation(belt(LAWS[name]), parameter="speed", start=0.6, stop=0.75, guess=dict(x=0.6, v=0.6), step=0.05)
+    (border,) = [s for s in branch.special if s.kind == "type-border"]
+    assert border.value == pytest.approx(end, abs=1e-11) and border.accuracy < 1e-9
+    rests = np.array(["0" in orbit.pattern for orbit in branch.orbits])
+    assert [orbit.stable for orbit in branch.orbits] == rests.tolist() and rests[0] and not rests[-1] and branch.values.max() <= end + 1e-9
+    beside, rides = [end - 2e-3, end + 2e-3], dict(x=0.5, v=end - 2e-3)
+    diagram = ss.bifurcation(belt(LAWS[name]), parameter="speed", values=beside, settle=40, start=rides)
+    assert diagram.motion.values.tolist() == [["periodic", "steady"], ["steady", "steady"]]
+
+
+def _rides_along(curve: Any, speed: float, x: float, v: float) -> bool:
+    """Whether a start comes to ride along with the belt, or its swings die out, by SciPy."""
+    hit = lambda t, y: y[1] - speed  # noqa: E731
+    hit.terminal, hit.direction = True, 1.0  # type: ignore[attr-defined]
+    field = lambda t, y: (y[1], curve(y[1] - speed) - K * y[0] - DAMPING * y[1])  # noqa: E731
+    y, still = np.array([x, v]), curve(speed) / K
+    for _ in range(400):
+        run = solve_ivp(field, (0.0, 20.0), y, events=hit, rtol=1e-9, atol=1e-11)
+        y = run.y[:, -1]
+        if len(run.t_events[0]) or np.max(abs(run.y[:, -50:] - [[still], [0.0]])) < 1e-2:
+            return bool(len(run.t_events[0]))
+    raise AssertionError("neither within 400 times 20 s")
+
+
+def _swings_on(x: float, v: float) -> bool:
+    """The same under LuGre's law, whether the block comes to swing for ever, by SciPy's method for stiff equations."""
+
+    def field(t: float, y: Any) -> tuple[float, float, float]:
+        w = y[1] - 0.55
+        rate = w - abs(w) * y[2] * 1e3 / CURVES["Stribeck"](w)
+        return y[1], -K * y[0] - DAMPING * y[1] - 1e3 * y[2] - 10.0 * rate, rate
+
+    y = np.array([x, v, 0.0])
+    for _ in range(40):
+        run = solve_ivp(field, (0.0, 30.0), y, method="Radau", rtol=1e-7, atol=1e-10)
+        y, late = run.y[:, -1], run.y[1][run.t > 15.0]
+        if late.max() > 0.99 * 0.55 or np.ptp(late) < 0.05:
+            return bool(late.max() > 0.99 * 0.55)
+    raise AssertionError("neither within 40 times 30 s")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name, tried", [("Stribeck", 150), ("Exponential", 150), ("LuGre", 24)])
+def test_basins_of_many_starts_have_the_shares_of_brute_force(name, tried):
+    x, v = np.linspace(-0.5, 1.5, 200), np.linspace(-0.6, 0.5, 200)
+    found = ss.basins(belt(LUGRE if name == "LuGre" else LAWS[name]), x=x, v=v, settle=40, workers=2)
+    kinds = [a.kind for a in found.attractors]
+    assert sorted(kinds) == ["periodic", "steady"] and not found.others
+    ours = found.map.attractor.values == kinds.index("periodic")
+    places = np.random.default_rng(11).choice(ours.size, tried, replace=False)
+    judge = _swings_on if name == "LuGre" else lambda a, b: _rides_along(CURVES[name], 0.55, a, b)
+    brute = np.array([judge(x[i], v[k]) for i, k in zip(*np.unravel_index(places, ours.shape), strict=True)])
+    assert np.array_equal(ours.ravel()[places], brute)
+    assert abs(brute.mean() - ours.mean()) < 3.0 * np.sqrt(ours.mean() * (1 - ours.mean()) / tried)
+
+
+def test_under_a_law_with_bristles_one_exponent_is_zero_too():
+    found = ss.lyapunov(belt(LUGRE), periods=30, settle=40, start=dict(x=1.0))
+    cycle = ss.periodic_orbit(belt(LUGRE), guess=dict(x=1.0))
+    assert abs(found.spectrum[0]) < 1e-6
+    assert found.spectrum[1] == pytest.approx(np.log(abs(cycle.multipliers[0])) / cycle.duration, rel=1e-4)
+
+
+# ---- two blocks on a belt (Galvanetto and Bishop 1999; the values that they print were not at hand: SciPy is the judge) ----
+@dataclass(frozen=True, eq=False)
+class TwoBlocks(ss.Machine):
+    speed: float
+    friction: Any
+    time_scale = 2 * np.pi
+    velocity_scale = 1.0
+
+    def bodies(self):
+        return {"a": ss.Body(1.0), "b": ss.Body(1.0)}
+
+    def contacts(self):
+        return {"a": ss.Contact("a", self.friction, on=self.speed, load=1.0), "b": ss.Contact("b", self.friction, on=self.speed, load=1.3)}
+
+    def links(self):
+        return {("a", None): ss.Spring(1.0), ("b", None): ss.Spring(1.0), ("a", "b"): ss.Spring(1.2)}
+
+
+LOADS = np.array([1.0, 1.3])
+
+
+def _pull(x: Any) -> Any:
+    """What springs do to the blocks."""
+    return np.array([-x[0] - 1.2 * (x[0] - x[1]), -x[1] + 1.2 * (x[0] - x[1])])
+
+
+def _turn(speed: float, gap: float) -> float:
+    """Two blocks that ride along, so far apart, until they do again: how far apart then. By SciPy, from event to event."""
+    x, v = np.array([0.0, gap]), np.full(2, speed)
+    x += np.min(LOADS + _pull(x))  # the place at which the first of them is pulled off
+    side = np.where(LOADS + _pull(x) > 1e-12, 0, -1)  # 0 rides along, -1 is slower than the belt, 1 faster
+    how: dict[str, Any] = {"rtol": 1e-11, "atol": 1e-13, "method": "DOP853"}
+    for _ in range(60):
+
+        def field(t: float, y: Any, side: Any = side) -> Any:
+            slide = _pull(y[:2]) - side * LOADS / (1 + 3 * side * (y[2:] - speed))
+            return np.concatenate([y[2:], np.where(side == 0, 0.0, slide)])
+
+        def event(i: int, side: Any = side) -> Any:
+            free = lambda t, y: LOADS[i] - abs(_pull(y[:2])[i])  # noqa: E731
+            meets = lambda t, y: side[i] * (y[2 + i] - speed) + (t == 0)  # noqa: E731
+            one = meets if side[i] else free
+            one.terminal, one.direction = True, -1.0  # type: ignore[attr-defined]
+            return one
+
+        run = solve_ivp(field, (0.0, 100.0), np.concatenate([x, v]), events=[event(0), event(1)], max_step=0.1, **how)
+        x, v = run.y[:2, -1].copy(), run.y[2:, -1].copy()
+        k = next(i for i in range(2) if len(run.t_events[i]))
+        pulled = float(_pull(x)[k])
+        side, v[k] = side.copy(), speed
+        side[k] = 0 if side[k] and abs(pulled) < LOADS[k] else np.sign(pulled)
+        if not side.any():
+            return float(x[1] - x[0])
+    raise AssertionError("they do not both ride along again within 60 events")
+
+
+def _flip_of_scipy(near: float, gap: float, turns: int) -> float:
+    """Where the map of the distances has the multiplier -1."""
+
+    def after(speed: float, d: float) -> float:
+        for _ in range(turns):
+            d = _turn(speed, d)
+        return d
+
+    def beyond(speed: float) -> float:
+        fixed = brentq(lambda d: after(speed, d) - d, gap - 3e-3, gap + 3e-3, xtol=1e-12)
+        return (after(speed, fixed + 1e-5) - after(speed, fixed - 1e-5)) / 2e-5 + 1.0
+
+    return float(brentq(beyond, near - 2e-5, near + 2e-5, xtol=1e-8))
+
+
+@each_row("start, stop, flip", [(0.295, 0.2895, 0.2907408), (0.2495, 0.251, 0.2502567)])
+def test_two_blocks_double_their_period_where_scipy_says(start, stop, flip):
+    blocks = TwoBlocks(start, Weakening())
+    branch = ss.continuation(blocks, parameter="speed", start=start, stop=stop, guess=ss.solve(blocks, duration=600), step=0.3)
+    (special,) = [s for s in branch.special if s.kind == "flip"]
+    assert special.value == pytest.approx(flip, abs=1e-7) and special.accuracy < 1e-9
+    run = special.orbit.run
+    resting = (np.asarray(run.pieces.mode) == 0).all(axis=1)
+    begun = np.flatnonzero(resting & ~np.roll(resting, 1))
+    x = run.at(float(run.pieces.t[begun[-1]]) + 1e-9)["x"]
+    assert special.value == pytest.approx(_flip_of_scipy(flip, float(x[1] - x[0]), len(begun)), abs=2e-7)
