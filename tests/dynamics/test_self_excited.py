@@ -1,9 +1,8 @@
-"""Published kinds of self-excited machines against SciPy and formulas: where stick-slip ends, two blocks, a drill string, a hunting joint."""
+"""Self-excited machines against SciPy and formulas: where stick-slip ends, two blocks, a drill string, a hunting joint."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import numpy as np

@@ -105,7 +105,8 @@ class CyclePath(Path):
 
 def rests_on_one_contact(model: Any) -> bool:
     """Whether a model is a machine with one contact, on which it rests exactly: how long it does says where that ends."""
-    return not is_flow(model) and len(laws := machine_of(model).laws) == 1 and not laws[0].dynamic
+    adapter = adapter_of(model)
+    return adapter.has_bodies and len(adapter.laws) == 1 and not adapter.laws[0].dynamic
 
 
 def vanishing(path: Path, points: list[Point]) -> tuple[float, float] | None:
