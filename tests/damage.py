@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
+import robot_files
 import stickslip as ss
 from stickslip.basics.errors import StickslipError
 
@@ -63,6 +64,10 @@ def bases(folder):
     _run(folder / "own.nc")
     with contextlib.suppress(ImportError):
         _extras(folder, T, V)
+    made["bam.json"] = robot_files.bam(60)
+    for name, write in robot_files.WRITERS.items():
+        with contextlib.suppress(ImportError):
+            write(folder / name)
     return made | {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
 
 

@@ -18,7 +18,7 @@ _WORDS = (
     (r"current|strom|amp|^cur|^i$|^i_|_i$", "A"),
     (r"rpm|drehzahl", "rpm"),
     (r"omega|ang.*vel|gyro|dq|qd|joint_?vel", "rad/s"),
-    (r"angle|winkel|theta|phi|^q\d*$|joint|enc|count|tick", "rad"),
+    (r"angle|winkel|observation|theta|phi|^q\d*$|joint|enc|count|tick", "rad"),
     (r"acc|^a$", "m/s^2"),
     (r"press|druck|^p$", "bar"),
     (r"volt|spann|^u$", "V"),
@@ -66,7 +66,7 @@ def candidate_unit(name: str, values: Any) -> str:
     ['m/s', 'N', 'deg', 'mm', '1']
     """
     unit = next((unit for pattern, unit in _WORDS if re.search(pattern, name.strip(), re.I)), "1")
-    numbers = np.asarray(values, float)
+    numbers = np.real(np.asarray(values))
     largest = float(np.max(np.abs(numbers[np.isfinite(numbers)]), initial=0.0))
     if unit == "rad" and largest > _TURN:
         return "deg"

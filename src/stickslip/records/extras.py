@@ -1,4 +1,4 @@
-"""TDMS, and how the libraries of ``pip install "stickslip[io]"`` are called."""
+"""TDMS, and how the libraries of ``pip install "stickslip[io]"`` and ``"stickslip[robot]"`` are called."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from stickslip.basics.errors import InputError
 from stickslip.basics.unpacking import Allowance
 from stickslip.records.raw import Raw, RawColumn
 
-_MISSING = '{what} files are read by {name}, which is not installed; type pip install "stickslip[io]"'
+_MISSING = '{what} files are read by {name}, which is not installed; type pip install "stickslip[{extra}]"'
 _SCALE, _MOST_SCALES = re.compile(r"NI_Number_Of_Scales$|NI_Scale\[(\d+)\]"), 1000
 
 
-def library(name: str, what: str) -> Any:
+def library(name: str, what: str, extra: str = "io") -> Any:
     """The library that reads a format; an error that says what to type where it is not installed."""
-    return optional.library("read", name, _MISSING.format(what=what, name=name))
+    return optional.library("read", name, _MISSING.format(what=what, name=name.partition(".")[0], extra=extra))
 
 
 def missing(name: str, what: str) -> InputError:
     """The error of a format whose library is not installed."""
-    return InputError("read", [_MISSING.format(what=what, name=name)])
+    return InputError("read", [_MISSING.format(what=what, name=name, extra="io")])
 
 
 @contextlib.contextmanager

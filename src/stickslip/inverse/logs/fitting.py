@@ -146,6 +146,7 @@ def _kind(records: Sequence[Record], machine: str | None, channels: list[Proposa
         return kind, "typed", []
     if not possible:
         wants = "a force over a position or velocity, a torque or a current over an angle, or a velocity over time"
+        wants += " (a command and an angle alone are not fitted: log the torque or the current too)"
         raise InputError(
             "fit", [f'no machine suits the file: it needs {wants}; type roles={{"...": "force"}} where a channel is one\n{table(channels)}']
         )
