@@ -11,7 +11,7 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.maths import bisected
 from stickslip.models.contact_forces import held_by_controllers, places_of
-from stickslip.models.forces import columns, held_velocity
+from stickslip.models.forces import columns, slip_ratio
 from stickslip.models.friction.law_adapter import LawAdapter
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.state_layout import of_one_contact
@@ -66,9 +66,8 @@ class WatchedContact:
         else:
             slip, load = self.mechanics.slips(t, self.mechanics.coordinates_of(tuple(v.T)))[i], self._load(t, x)
         memory = run.pieces.memory[index][:, list(run.pieces.layout.contacts[i].memory)]
-        least = 1e-9 * float(machine_of(run.model).velocity_scale) or 1e-9
-        slip = held_velocity(slip, self.modes[index], least)
-        return 1 - np.asarray(self.law.rate(slip, tuple(z[:, i, : self.law.states].T), load, tuple(memory.T))[0]) / slip
+        speed, inner = machine_of(run.model).velocity_scale, z[:, i, : self.law.states].T
+        return np.asarray(slip_ratio(self.law, speed, self.modes[index], slip, load, inner, tuple(memory.T)))
 
     def offered(self, t: Array) -> Array:
         """Friction force that would hold the contact while the others do what they do [N]."""

@@ -156,13 +156,14 @@ def held_velocity(v: Numeric, mode: Any, least: Any = TINY) -> Any:
     return mode * np.maximum(mode * v, least)
 
 
-def slip_ratio_of(model: Any, mode: Any, t: Numeric, x: Numeric, v: Numeric, z: Any, memory: Any = ()) -> Any:
-    """Slip ratio 1 - (dz/dt)/v of the first inner state on the side given by `mode`: 0 in elastic deflection, 1 in steady sliding.
+def slip_ratio(law: LawAdapter, speed: Any, mode: Any, slip: Numeric, load: Numeric, z: Any, memory: Any = ()) -> Any:
+    """Slip ratio 1 - (dz/dt)/w of the first inner state on the side given by `mode`: 0 in elastic deflection, 1 in steady sliding.
 
-    It is the ratio of the elastic part of the friction to its steady sliding value; z is an array (n, states).
+    It is the ratio of the elastic part of the friction to its steady sliding value. A slip w below 1e-9 of `speed`, the machine's velocity
+    scale [m/s], counts as that.
     """
-    slip = held_velocity(model.contact_velocity(v), mode, _LEAST * float(model.velocity_scale) or _LEAST)
-    return 1 - law_of(model).rate(slip, tuple(z.T), normal_load(model, t, x), memory)[0] / slip
+    held = held_velocity(slip, mode, _LEAST * float(speed) or _LEAST)
+    return 1 - np.asarray(law.rate(held, tuple(z), load, memory)[0]) / held
 
 
 def columns(model: Any, mode: Any, t: Array, x: Array, v: Array, z: Any, zdot: Any, memory: Any = ()) -> dict[str, Any]:

@@ -11,8 +11,9 @@ from stickslip.basics.contracts import Array, Model, Numeric
 from stickslip.basics.interruption import Interrupted, look
 from stickslip.basics.status import Status
 from stickslip.engine.kernels.columns import SEGS as SEGMENTS
-from stickslip.models.forces import slip_ratio_of
+from stickslip.models.forces import slip_ratio as slip_ratio_of
 from stickslip.models.friction.law_adapter import law_of
+from stickslip.models.normal_loads import normal_load
 from stickslip.results.steadiness import window_count
 from stickslip.solvers.gather import NEEDED, RawResults
 
@@ -40,7 +41,9 @@ def codes_of(model: Model, v: Numeric, z: Numeric, mode: Any, slip_ratio: float,
     """The mode of the body at sampled instants: +2, -2 slipping, 0 stuck, +1, -1 elastic (see `stickslip.results.segments`)."""
     if not law_of(model).states:
         return 2 * mode
-    return mode * np.where(slip_ratio_of(model, mode, t, x, v, z, memory) >= slip_ratio, 2, 1)
+    slip, load = model.contact_velocity(v), normal_load(model, t, x)  # type: ignore[attr-defined]
+    ratio = slip_ratio_of(law_of(model), model.velocity_scale, mode, slip, load, z.T, memory)  # type: ignore[attr-defined]
+    return mode * np.where(ratio >= slip_ratio, 2, 1)
 
 
 def over_window(x: Array, settle: int, period: int, limit: float) -> dict[str, Any]:

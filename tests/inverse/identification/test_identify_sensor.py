@@ -14,6 +14,7 @@ from stickslip.basics.information import Information
 from stickslip.engine.law_steps import law_steps
 from stickslip.engine.symbolic import numbers_of
 from stickslip.inverse.identification.covariance import determined_spread
+from stickslip.inverse.identification.fit_settings import FitSettings
 from stickslip.inverse.identification.friction_effects import EFFECTS
 from stickslip.inverse.identification.identify import problem_of
 from stickslip.inverse.identification.law_forces import Stepped, _step_by_step, driven_force
@@ -180,8 +181,8 @@ def test_derivatives_by_all_numbers_of_a_sensor_are_those_of_differences(law):
     record = forces(law, load=10.0 + np.sin(np.linspace(0, 9, 300)), n=300)
     known = {f.name: getattr(law, f.name) for f in dataclasses.fields(law)}
     sensor = {"offset": None, "drift": None, "gain": None, "delay": None, "preload": None, "inertia": None}
-    problem = problem_of([record], type(law), {"mu_plus": (0.1, 0.3)}, None, "auto", None, None, None, 1e-8,
-                         {k: v for k, v in known.items() if k != "mu_plus"}, sensor=sensor)  # fmt: skip
+    problem = problem_of([record], type(law), {"mu_plus": (0.1, 0.3)}, None,
+                         {k: v for k, v in known.items() if k != "mu_plus"}, FitSettings(sensor=sensor))  # fmt: skip
     place = np.array([0.37, 0.05, -0.02, 1.01, 2e-3, 0.3, 20.0])
     found, held = problem.jacobian(place), np.isclose(problem.predicted(place), problem.y, rtol=0, atol=0)
     steps = np.array([1e-6, 1e-6, 1e-6, 1e-6, 1e-7, 1e-5, 1e-4])
@@ -196,8 +197,7 @@ def test_derivatives_by_all_numbers_of_a_sensor_are_those_of_differences(law):
 
 def forces_of(record, place, **numbers):
     """What a sensor shows of a law at a place: the fit's problem, and its values."""
-    problem = problem_of([record], ss.Coulomb, {"mu_plus": (0.1, 0.2)}, None, "auto", None, None, 10.0, 1e-8, {"mu_minus": 0.2},
-                         sensor=numbers)  # fmt: skip
+    problem = problem_of([record], ss.Coulomb, {"mu_plus": (0.1, 0.2)}, None, {"mu_minus": 0.2}, FitSettings(load=10.0, sensor=numbers))
     return problem, problem.predicted(np.array([0.5, *place]))
 
 
@@ -233,7 +233,7 @@ def test_after_a_gap_a_record_says_nothing_until_the_contact_has_slid():
     kept = (np.arange(1500) < 700) | (np.arange(1500) >= 900)
     record = shortened(whole, kept)
     free, known = {**BOTH, "sigma0": (1e4, 1e6, "log")}, dict(f_plus=None, f_minus=None, sigma1=0.0, sigma2=0.0, v_s=1.0)
-    problem = problem_of([record], ss.LuGre, free, None, "auto", None, None, None, 1e-8, known, sensor={})
+    problem = problem_of([record], ss.LuGre, free, None, known, FitSettings(sensor={}))
     unbent = problem.parameters.point({"mu_plus": 0.3, "mu_minus": 0.4, "sigma0": 1e5})
     least, most = (end[:, 0] for end in problem.ends(unbent[None]))
     assert np.array_equal(least[:700], most[:700]) and most[700] - least[700] == pytest.approx(7.0, rel=0.05)

@@ -21,6 +21,7 @@ from stickslip.basics.quantities import between
 from stickslip.inverse.identification.covariance import noise_scale, spread_of
 from stickslip.inverse.identification.drive_harmonics import with_harmonics
 from stickslip.inverse.identification.fit import Fit
+from stickslip.inverse.identification.fit_settings import FitSettings
 from stickslip.inverse.identification.force_problem import DrivenProblem
 from stickslip.inverse.identification.least_squares import MeasuredProblem
 from stickslip.inverse.identification.logs_of_machines import bench_of, takes_records
@@ -155,13 +156,11 @@ def identify(
     >>> low < 0.18 < high, high - low < 0.01
     (True, True)
     """
-    records = as_list(records)
-    weigh = loss_of(loss)
-    _check(records, using, noise, starts, seed)
+    records, weigh = as_list(records), loss_of(loss)
+    how = FitSettings(using, noise, frequency, load, settle, transient, sensor, harmonics, body, starts, seed, rtol)
+    _check(records, how)
     records = weighted(records, weights)
-    problem = problem_of(
-        records, make, free, tied, using, noise, frequency, load, rtol, arguments, settle, transient, starts, seed, sensor, body, harmonics
-    )
+    problem = problem_of(records, make, free, tied, arguments, how)
     notes = _notes(records, problem)
     rough = problem.rough()
     best, agree = searched(rough, starts, seed, reporting(progress, "identify"), partial(nested_seeds, rough, starts, seed))
@@ -179,34 +178,38 @@ def as_list(records: Any) -> list[Any]:
 
 
 def problem_of(
-    records: list[Any], make: Model | Callable[..., Any], free: dict[str, Any], tied: dict[str, Any] | None, using: str,
-    noise: float | None, frequency: float | None, load: float | None, rtol: float, arguments: dict[str, Any],
-    settle: int | str = "auto", transient: bool = False, starts: int = 64, seed: int = 0, sensor: dict[str, Any] | None = None,
-    body: str | None = None, harmonics: Any = None,
-) -> MeasuredProblem:  # fmt: skip
+    records: list[Any],
+    make: Model | Callable[..., Any],
+    free: dict[str, Any],
+    tied: dict[str, Any] | None,
+    arguments: dict[str, Any],
+    how: FitSettings,
+) -> MeasuredProblem:
     """The least-squares problem of these records."""
     of = parameters(make, free, tied, arguments, len(records))
-    first = of.first_models(starting_points(of, starts, seed))
+    first = of.first_models(starting_points(of, how.starts, how.seed))
     machines = is_machine(first[0])
     _refuse_chance(first[0], machines)
-    if machines and (using == "force" or (using == "auto" and takes_records(first[0], records))):
-        model: Any = _moved(records, of, noise, first)
-    elif using == "force" or (using == "auto" and not machines):
+    if machines and (how.using == "force" or (how.using == "auto" and takes_records(first[0], records))):
+        model: Any = _moved(records, of, how.noise, first)
+    elif how.using == "force" or (how.using == "auto" and not machines):
         _check_forces(records)
-        model = _driven(records, of, load, noise, first, transient or sensor is None)
+        model = _driven(records, of, how.load, how.noise, first, how.transient or how.sensor is None)
     else:
-        own = _body(first[0], body)
-        targets = tuple(target(rec, using, noise, frequency, f"record {i}", settle, transient) for i, rec in enumerate(records))
+        own = _body(first[0], how.body)
+        targets = tuple(
+            target(rec, how.using, how.noise, how.frequency, f"record {i}", how.settle, how.transient) for i, rec in enumerate(records)
+        )
         targets = tuple(dataclasses.replace(t, body=own) for t in targets)
-        if transient:
+        if how.transient:
             alike = [t.kind == "mean" or moves_alike_anywhere(model) for t, model in zip(targets, first, strict=True)]
             targets = tuple(dataclasses.replace(t, placed=not same) for t, same in zip(targets, alike, strict=True))
         only_means = all(t.kind == "mean" for t in targets)
-        model = MeansProblem(of, targets, rtol) if only_means else SteadyProblem(of, targets, rtol)
-    numbers, held = sensors_of(sensor, model.targets)
+        model = MeansProblem(of, targets, how.rtol) if only_means else SteadyProblem(of, targets, how.rtol)
+    numbers, held = sensors_of(how.sensor, model.targets)
     starts_open = [i for i, t in enumerate(model.targets) if model.remembers and t.any_start]
-    numbers = with_harmonics(with_starts(numbers, held, starts_open), harmonics, model.targets, of, first)
-    return MeasuredProblem(model, numbers, held, given=sensor, harmonics=harmonics)
+    numbers = with_harmonics(with_starts(numbers, held, starts_open), how.harmonics, model.targets, of, first)
+    return MeasuredProblem(model, numbers, held, given=how.sensor, harmonics=how.harmonics)
 
 
 def _body(model: Model, body: str | None) -> int | None:
@@ -242,8 +245,8 @@ def _refuse_chance(model: Any, machine: bool) -> None:
         raise InputError("identify", [f"{random} cannot be fitted: {why}; fit a law without chance, such as ss.friction.GMS or ss.LuGre"])
 
 
-def _check(records: list[Any], using: str, noise: float | None, starts: int, seed: int) -> None:
-    problems = Problems("identify")
+def _check(records: list[Any], how: FitSettings) -> None:
+    problems, using, noise = Problems("identify"), how.using, how.noise
     if not records:
         problems.add("no record given; type for example ss.identify([ss.read(path)], ...)")
     curves = any(isinstance(rec, Record) for rec in records)
@@ -265,8 +268,8 @@ def _check(records: list[Any], using: str, noise: float | None, starts: int, see
         problems.add(f"using = {using!r}; allowed is one of {', '.join(USES)}")
     if noise is not None:
         checked_number("noise", noise, problems, between(1e-30, 1e30), "a positive standard deviation, or None", "noise=1e-4")
-    problems.whole("starts", starts, 1, example=64)
-    problems.whole("seed", seed, 0, example=1)
+    problems.whole("starts", how.starts, 1, example=64)
+    problems.whole("seed", how.seed, 0, example=1)
     problems.check()
 
 

@@ -205,12 +205,12 @@ def prediction_errors(
     >>> [round(e, 4) for e in ss.identification.prediction_errors(fit, two, tilt_deg=1.7, amplitude=8e-4, law="coulomb")]
     [0.0001]
     """
+    from stickslip.inverse.identification.fit_settings import FitSettings
     from stickslip.inverse.identification.identify import as_list, problem_of
     from stickslip.inverse.identification.search import polished_to_end
 
     of = fit.problem.parameters
     free = {f.name: (f.low, f.high, "log") if f.log else (f.low, f.high) for f in of.free}
-    sensor = fit.problem.given
     using = fit.problem.targets[0].kind
     transient = any(t.transient for t in fit.problem.targets)
     if not as_list(records):
@@ -219,10 +219,16 @@ def prediction_errors(
         )
     body = fit.problem.targets[0].body if using in ("velocity", "position", "mean") else None
     names = machine_of(fit.model()).part_names.get("body", ()) if body is not None else ()
-    whole = problem_of(
-        as_list(records), of.make, free, of.tied, using, None, frequency, load, 1e-8, arguments, transient=transient, sensor=sensor,
-        body=None if body is None else names[body], harmonics=fit.problem.harmonics,
-    )  # fmt: skip
+    how = FitSettings(
+        using=using,
+        frequency=frequency,
+        load=load,
+        transient=transient,
+        sensor=fit.problem.given,
+        harmonics=fit.problem.harmonics,
+        body=None if body is None else names[body],
+    )
+    whole = problem_of(as_list(records), of.make, free, of.tied, arguments, how)
     problem = whole.only(fit.values)
     end = polished_to_end(problem, problem.aligned(np.empty(0)))
     rest = problem.parts(end.residuals[: len(problem.y)] * problem.sigma)

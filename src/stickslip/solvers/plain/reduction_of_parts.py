@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.contracts import Array
+from stickslip.models.forces import slip_ratio
 from stickslip.models.machine_adapter import machine_of
 from stickslip.results.steadiness import repetition_of, window_count
 from stickslip.results.trajectory import Trajectory
@@ -57,12 +58,10 @@ def _codes(todo: Request, run: Trajectory, at: dict[str, Array]) -> Array:
     codes = 2 * mode
     for i, law in enumerate(machine_of(run.model).laws):
         if law.has_slip_ratio:
-            least = 1e-9 * float(machine_of(run.model).velocity_scale)
-            held = mode[:, i] * np.maximum(mode[:, i] * slip[:, i], least)
             layout = run.pieces.layout.contacts[i]
             memory = tuple(run.pieces.memory[run._index(at["t"])][:, list(layout.memory)].T)
             z = np.asarray(at["z"]).reshape(len(mode), len(mode[0]), -1)[:, i, : law.states]
-            ratio = 1 - np.asarray(law.rate(held, tuple(z.T), load[:, i], memory)[0]) / held
+            ratio = slip_ratio(law, machine_of(run.model).velocity_scale, mode[:, i], slip[:, i], load[:, i], z.T, memory)
             codes[:, i] = mode[:, i] * np.where(ratio >= todo.slip_ratio, 2, 1)
     return codes
 
