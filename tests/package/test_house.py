@@ -21,6 +21,12 @@ def id_of(path):
     return path.relative_to(ROOT).as_posix()
 
 
+@pytest.fixture(scope="module")
+def trees():
+    """Each module's syntax tree, parsed once for the tests of this file."""
+    return {p: ast.parse(p.read_text(encoding="utf-8")) for p in SOURCES}
+
+
 def python(code, *arguments):
     """Run code in a fresh interpreter and return what it prints."""
     done = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, timeout=120, check=False)
@@ -147,8 +153,7 @@ def test_no_modules_import_one_another_but_those_that_are_named():
     assert not new, f"these modules import one another: {new}; move what they share into a file of its own"
 
 
-def test_nobody_imports_what_another_module_keeps_to_itself():
-    trees = {p: ast.parse(p.read_text(encoding="utf-8")) for p in SOURCES}
+def test_nobody_imports_what_another_module_keeps_to_itself(trees):
     imports = [
         (p, n)
         for p, tree in trees.items()
@@ -187,8 +192,7 @@ def is_overload(node):
     return any(isinstance(d, ast.Name) and d.id == "overload" for d in node.decorator_list)
 
 
-def test_everything_public_has_a_docstring():
-    trees = {p: ast.parse(p.read_text(encoding="utf-8")) for p in SOURCES}
+def test_everything_public_has_a_docstring(trees):
     defined = [(p, node) for p, tree in trees.items() for node in public_definitions(tree) if not is_overload(node)]
     missing = [f"{id_of(p)}:{node.lineno} {node.name}" for p, node in defined if not ast.get_docstring(node)]
     missing += [f"{id_of(p)}: the module" for p, tree in trees.items() if tree.body and not ast.get_docstring(tree)]
@@ -201,11 +205,10 @@ def parameters_of(function, of_class):
     return named[1:] if of_class and named and named[0].arg in ("self", "cls") else named
 
 
-def test_most_public_parameters_say_what_they_are():
+def test_most_public_parameters_say_what_they_are(trees):
     """At most 15 % of the named ones are `Any`, which says nothing to a reader."""
-    trees = [ast.parse(p.read_text(encoding="utf-8")) for p in SOURCES]
-    classes = {id(m) for t in trees for n in ast.walk(t) if isinstance(n, ast.ClassDef) for m in n.body}
-    functions = [n for t in trees for n in public_definitions(t) if isinstance(n, ast.FunctionDef)]
+    classes = {id(m) for t in trees.values() for n in t.body if isinstance(n, ast.ClassDef) for m in n.body}
+    functions = [n for t in trees.values() for n in public_definitions(t) if isinstance(n, ast.FunctionDef)]
     annotations = [ast.unparse(x.annotation) for f in functions for x in parameters_of(f, id(f) in classes)]
     share = annotations.count("Any") / len(annotations)
     assert len(annotations) > 1000 and share <= 0.15, f"{share:.1%} of the public parameters are Any; give the new ones a type"

@@ -39,7 +39,7 @@ def test_a_slider_is_stable_above_its_critical_stiffness_and_not_below(evolution
     law, load = ROCK.replace(evolution=evolution), 1e6
     for part in (0.8, 1.25):
         k = part * law.critical_stiffness(load)
-        slider = ss.PulledMass(mass=1e-2, stiffness=k, speed=1e-6, friction=law, load=load)
+        slider = ss.PulledMass(mass=1.0, stiffness=k, speed=1e-6, friction=law, load=load)  # light: its swing takes 0.3 ms
         less = 1e-6 * 0.6 * load / k  # how much shorter the spring is than in steady sliding
         run = ss.solve(slider, duration=200.0, start={"v": 1e-6, "x": less - 0.6 * load / k}, rtol=1e-8)
         # without inertia and for small changes: s' = -w, k s = N (a w/v0 + b f), f' = -(v0/Dc) (f + w/v0)

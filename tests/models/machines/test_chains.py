@@ -36,7 +36,7 @@ def test_worms_move_as_they_should(chain, V):
 
 
 def test_the_judge_agrees_on_a_worm():
-    run = ss.solve(ROWS["the wave reversed"][0], periods=40, method="dop853", rtol=1e-12)
+    run = ss.solve(ROWS["the wave reversed"][0], periods=6, method="dop853", rtol=1e-12)  # feet that hold forget the start
     assert ss.mean_velocity(run) == pytest.approx(-0.0110844351922, abs=2e-12)
 
 
