@@ -142,6 +142,42 @@ def _den_hartog():
 DEN_HARTOG = _den_hartog()
 
 
+def _van_der_pol():
+    """Van der Pol's oscillator with a stop on one side."""
+    swing = lambda t, y, n: (y[1], n.mu * (1 - y[0] ** 2) * y[1] - y[0])  # noqa: E731
+    hit = ss.Switch(lambda t, y, n: n.gap - y[0], 0, lambda t, y, n: (n.gap, -n.r * y[1]))
+    return ss.SwitchingFlow({0: swing}, {0: (hit,)}, None, {"mu": 1.0, "gap": 1.2, "r": 0.6}, ("x", "v"))
+
+
+def _hunted():
+    """Prey that saturates, and a predator that is hunted while there are many of it: a Filippov flow that slides along the limit."""
+    gain = lambda y: y[0] / (1 + 0.5 * y[0]) - 0.3  # noqa: E731
+    prey = lambda y, n, eaten: y[0] * (1 - y[0] / n.k) - eaten * y[0] / (1 + 0.5 * y[0])  # noqa: E731
+    after = lambda t, y, n: "hunted" if gain(y) > n.effort else "slides" if gain(y) > 0 else "free"  # noqa: E731
+    stay = lambda t, y, n: (y[0], n.limit)  # noqa: E731
+    return ss.SwitchingFlow(
+        {
+            "free": lambda t, y, n: (prey(y, n, y[1]), y[1] * gain(y)),
+            "hunted": lambda t, y, n: (prey(y, n, y[1]), y[1] * (gain(y) - n.effort)),
+            "slides": lambda t, y, n: (prey(y, n, n.limit), 0.0 * y[1]),
+        },
+        {
+            "free": (ss.Switch(lambda t, y, n: n.limit - y[1], after, stay),),
+            "hunted": (ss.Switch(lambda t, y, n: y[1] - n.limit, after, stay),),
+            "slides": (ss.Switch(lambda t, y, n: gain(y), "free"), ss.Switch(lambda t, y, n: n.effort - gain(y), "hunted")),
+        },
+        None, {"k": 6.0, "effort": 0.35, "limit": 0.9}, ("prey", "predator"),
+    )  # fmt: skip
+
+
+def _belt_by_hand():
+    """A block on a belt as a flow with a contact."""
+    law = ss.Stribeck(0.2, 0.2, 0.3, 0.3, v_s=0.1, exponent=1.0)
+    contact = ss.machines.FlowContact(slip=lambda t, y, n: y[1] - n.speed, friction=law, load=9.81)
+    field = lambda t, y, R, n: (y[1], -n.k * y[0] - R.belt)  # noqa: E731
+    return ss.SwitchingFlow(field, numbers={"speed": 0.1, "k": 4.0}, states=("x", "v"), contacts={"belt": contact})
+
+
 def _chain(module):
     return ss.Chain((module, module), link=ss.Spring(stiffness=1200.0, damping=0.4), phases=(0.0, 1.57))
 
@@ -161,6 +197,9 @@ every_machine: dict[str, tuple[Any, str, tuple[float, float]]] = {
     "a machine of your own": (Tow(0.07, 0.03, 0.3, 205.0, 300.0, 0.1, DRY), "stiffness", (250.0, 300.0)),
     "a machine without contacts": (Hammer(5.0), "stiffness", (4.9, 5.0)),
     "a SwitchingFlow": (DEN_HARTOG, "F", (0.3, 0.4)),
+    "a flow without a period": (_van_der_pol(), "mu", (1.0, 1.1)),
+    "a Filippov flow": (_hunted(), "k", (6.0, 6.2)),
+    "a flow with contacts": (_belt_by_hand(), "speed", (0.1, 0.12)),
 }
 #: Those that have bodies: all but the flows.
 with_bodies = {name: made for name, made in every_machine.items() if not is_flow(made[0])}
@@ -229,7 +268,14 @@ class Case:
     @property
     def other(self):
         """Another number, for a map."""
-        names = {"modules.0.inner_mass": [0.009, 0.0095], "friction.mu_plus": [0.2, 0.25], "r": [0.7, 0.8], "gap": [0.45, 0.5]}
+        names = {
+            "modules.0.inner_mass": [0.009, 0.0095],
+            "friction.mu_plus": [0.2, 0.25],
+            "r": [0.7, 0.8],
+            "gap": [0.45, 0.5],
+            "effort": [0.3, 0.35],
+        }
+        names |= {"k": [4.0, 4.5]}
         known = dict(leaves(self.machine))
         return next({name: values} for name, values in names.items() if name in known)
 
@@ -350,10 +396,10 @@ def _attractors(c):
     assert (along.share.sum("attractor") > 0.4).all() and all(map(str, along.ends.values))
 
 
-def _edge_state(c):
+def _edge_state(c, starts=(None, None)):
     """There is one motion: an edge is refused with its name."""
     try:
-        edge = ss.dynamics.edge_state(c.machine, None, None, settle=30)
+        edge = ss.dynamics.edge_state(c.machine, *starts, settle=60 if is_flow(c.machine) else 30)
     except ss.InputError as error:
         if "both starts lead to one motion" not in str(error):
             raise
@@ -503,42 +549,49 @@ def _solve_flow(c):
 def _batch_of_flow(c):
     many = ss.solve(c.machine.replace({c.number: np.array(c.values)}), keep="summary", **c.length)
     alone = ss.solve(c.machine.replace({c.number: c.values[1]}), **c.length)
-    assert np.isclose(many.end_x[1], alone.state[0], rtol=1e-9, atol=1e-9)
+    assert np.isclose(many.columns[f"end_{c.machine.states[0]}"][1], alone.state[0], rtol=1e-9, atol=1e-9)
 
 
 def _sweep_of_flow(c):
     grid = ss.sweep(c.machine, **c.axis, **c.length)
-    assert grid.mean_x.dims == (c.number,) and np.isfinite(grid.max_v.values).all() and "motion_type" not in grid
+    first, second = c.machine.states
+    assert grid[f"mean_{first}"].dims == (c.number,) and np.isfinite(grid[f"max_{second}"].values).all() and "motion_type" not in grid
 
 
 def _map_of_flow(c):
-    assert ss.map(c.machine, **c.axis, r=[0.7, 0.8], **c.length).max_x.shape == (2, 2)
+    assert ss.map(c.machine, **c.axis, **c.other, **c.length)[f"max_{c.machine.states[0]}"].shape == (2, 2)
 
 
 def _basins_of_flow(c):
-    assert ss.basins(c.machine, x=[0.0, 0.5], settle=100).attractors
+    assert ss.basins(c.machine, **{c.machine.states[0]: [0.0, 0.5]}, settle=100).attractors
 
 
 def _attractors_of_flow(c):
-    along = ss.attractors(c.machine, parameter=c.number, values=list(c.values), starts={"x": [0.0, 0.5]}, settle=100)
-    assert along.x.shape[1] == 2 and "mean_velocity" not in along
+    first = c.machine.states[0]
+    along = ss.attractors(c.machine, parameter=c.number, values=list(c.values), starts={first: [0.0, 0.5]}, settle=100)
+    assert along[first].shape[1] == 2 and "mean_velocity" not in along
 
 
 def _xarray_of_flow(c):
-    assert {"x", "v", "mode"} <= set(c.run().to_xarray())
+    assert {*c.machine.states, "mode"} <= set(c.run().to_xarray())
 
 
 def _csv_of_flow(c):
-    assert Path(c.run().save(c.folder / "run.csv")).read_text(encoding="utf-8").startswith("time,x,v,mode")
+    head = Path(c.run().save(c.folder / "run.csv")).read_text(encoding="utf-8").partition("\n")[0].split(",")
+    assert head[: 1 + len(c.machine.states)] == ["time", *c.machine.states] and head[-1] == "mode"
+
+
+def _edge_state_of_flow(c):
+    _edge_state(c, [{c.machine.states[0]: value} for value in (0.5, 1.0)])
 
 
 def _phase_of_flow(c):
-    assert ss.plot.phase(c.run()).get_ylabel() == "v"
+    assert ss.plot.phase(c.run()).get_ylabel() == c.machine.states[1]
 
 
 _OF_FLOW = {
     "ss.solve": _solve_flow, "a batch": _batch_of_flow, "ss.sweep": _sweep_of_flow, "ss.map": _map_of_flow, "ss.basins": _basins_of_flow,
-    "ss.attractors": _attractors_of_flow,
+    "ss.attractors": _attractors_of_flow, "ss.dynamics.edge_state": _edge_state_of_flow,
     "run.to_xarray": _xarray_of_flow, "CSV": _csv_of_flow, "plot.phase": _phase_of_flow,
 }  # fmt: skip
 
