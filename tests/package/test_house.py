@@ -138,6 +138,12 @@ CIRCLES = [
 ]
 
 
+def test_few_files_ask_what_kind_of_model_there_is():
+    """Robots, machines of parts and flows answer the same questions (`adapter_of`); their kind is known there, and where they are made."""
+    asking = [id_of(p) for p in SOURCES if re.search(r"is_single|\bis_flow\(", p.read_text(encoding="utf-8"))]
+    assert len(asking) <= 5, asking
+
+
 def circles():
     """Sets of modules that import one another, directly or not, inside functions too."""
     import grimp
