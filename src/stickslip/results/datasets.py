@@ -152,6 +152,8 @@ def attributes(run: Trajectory | FlowRun) -> dict[str, Any]:
     attrs = {name: getattr(run, name) for name in ("status", "method", "rtol", "periods", "settle", "samples")}
     for name in ("start", "provenance", "counts"):
         attrs[name] = json.dumps(as_plain(getattr(run, name)))
+    if run.named_events:
+        attrs["named_events"] = json.dumps([[e.t, e.part, e.before, e.after] for e in run.named_events])
     try:
         attrs["robot"] = run.model.to_toml()
     except (InputError, AttributeError):

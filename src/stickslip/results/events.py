@@ -21,14 +21,16 @@ class Event:
     ----------
     t : float
         Time [s].
-    kind : {"stick", "slip", "reversal", "impulse", "switch", "hit", "take-off", "landing", "contact lost"}
+    kind : {"stick", "slip", "reversal", "impulse", "switch", "hit", "take-off", "landing", "contact lost", "crossing"}
         In this order: the contact came to rest; it broke away; its velocity changed sign without rest; a jump of the drive's velocity
         changed its slip; a memory of its law changed; a stop was hit; its load fell to zero and it took off; it landed; its load fell to
-        zero for good.
+        zero for good; a function of the user passed zero (``events=`` of `solve`).
     before, after : int
-        The modes: +1 forwards, 0 stuck, -1 backwards; in flight the sign of the slip. For a hit both are 0.
+        The modes: +1 forwards, 0 stuck, -1 backwards; in flight the sign of the slip. For a hit both are 0. For a crossing the signs of
+        the function, which are one where it touches zero, and 0 after it where it stays there.
     part : str
-        Name of the contact, "contact" if there is only one, as under a `Robot`; for a hit the bodies that meet, "mass-capsule".
+        Name of the contact, "contact" if there is only one, as under a `Robot`; for a hit the bodies that meet, "mass-capsule";
+        for a crossing its name.
     velocity : float, optional
         For a hit or a landing, the rate of the gap before it, negative [m/s].
     """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -237,7 +238,8 @@ class FlowRun(Trajectory):
         columns |= {f"{what}_{name}": ("time", getattr(c, what)) for name, c in self.contacts.items() for what in _OF_A_CONTACT}
         columns["mode"] = ("time", np.array([str(mode) for mode in self.mode]) if self.mode.dtype == object else self.mode)
         numbers = {name: float(value) for name, value in self.model.numbers.items()}
-        return xr.Dataset(columns, {"time": self.t}, {"method": self.method, "status": self.status, **numbers})
+        marks = {"named_events": json.dumps([[e.t, e.part, e.before, e.after] for e in self.named_events])} if self.named_events else {}
+        return xr.Dataset(columns, {"time": self.t}, {"method": self.method, "status": self.status, **numbers, **marks})
 
     def to_dataframe(self) -> Any:
         """The columns as a `pandas.DataFrame` over time."""

@@ -30,6 +30,8 @@ from stickslip.models.robot import Robot
 from stickslip.models.tables import document_of
 from stickslip.results.datasets import attributes, names_of_parts, trajectory_dataset, write_csv
 from stickslip.results.dense_output import kind_of_pieces, pieces_from_arrays
+from stickslip.results.events import Event
+from stickslip.results.named_events import KIND
 
 if TYPE_CHECKING:
     from stickslip.results.flow_run import FlowRun
@@ -153,7 +155,9 @@ def read(path: str | Path, laws: Sequence[type] = (), machines: Sequence[type] =
             kept = hdf5.plain_attributes(file["pieces"], allowance, size)
             objects = {"pieces": _pieces(file, kept), "model": _model(attrs, laws, machines)}
         kept = {k: attrs[k] for k in ("method", "status", "rtol")} | {k: int(attrs[k]) for k in ("periods", "settle", "samples")}
-        return {**objects, **kept, **{k: json.loads(attrs[k]) for k in ("start", "provenance", "counts")}}
+        marks = json.loads(attrs.get("named_events", "[]"))
+        named = tuple(Event(float(t), KIND, int(before), int(after), str(name)) for t, name, before, after in marks)
+        return {**objects, **kept, "named_events": named, **{k: json.loads(attrs[k]) for k in ("start", "provenance", "counts")}}
     except InputError:
         raise
     except OSError as error:

@@ -151,6 +151,8 @@ class Trajectory(Drawn, Judged, RunFiles):
         Steps taken, rejected, and so on.
     known_period : int, optional
         Drive periods after which it repeats, where that is known beforehand: the run of a periodic orbit.
+    named_events : tuple of Event
+        Where functions of the user passed zero, ``solve(events=...)``, by their names in `part`.
 
     Examples
     --------
@@ -177,6 +179,7 @@ class Trajectory(Drawn, Judged, RunFiles):
     provenance: dict[str, Any] = field(default_factory=dict)
     counts: dict[str, Any] = field(default_factory=dict)
     known_period: int | None = None
+    named_events: tuple[Event, ...] = ()
 
     # ---- time ----
     @property
@@ -237,13 +240,14 @@ class Trajectory(Drawn, Judged, RunFiles):
 
     @cached_property
     def events(self) -> list[Event]:
-        """Every change of mode, impulse, switch of a memory, hit on a stop, take-off and landing, in order.
+        """Every change of mode, impulse, switch of a memory, hit on a stop, take-off and landing, and the named events, in order.
 
         Under a dynamic law modes change where v reverses. At one instant there is one for each contact that changed, in the order of
         `contacts`, after hits and landings.
         """
         hits = [hit for _, hit in (*self._hits, *self._flights)]
-        return sorted([*hits, *events_of(self.pieces, self._impulses, self._lost, self._aloft)], key=lambda event: event.t)
+        changes = events_of(self.pieces, self._impulses, self._lost, self._aloft)
+        return sorted([*hits, *self.named_events, *changes], key=lambda event: event.t)
 
     @cached_property
     def _hits(self) -> list[tuple[int, Event]]:

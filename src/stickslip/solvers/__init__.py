@@ -25,6 +25,7 @@ from stickslip.basics.interruption import accept_part, interruptible, is_asked_t
 from stickslip.results.summary import Summary
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers.methods import METHODS, method_for
+from stickslip.solvers.named_events import events_of_model, with_events
 from stickslip.solvers.request import request
 from stickslip.solvers.settings import Settings
 
@@ -56,6 +57,7 @@ def solve(
     progress: Callable[[int, int], None] | bool | None = None,
     duration: float | None = None,
     observe: dict[str, Any] | None = None,
+    events: dict[str, Any] | None = None,
     **options: Any,
 ) -> Trajectory | Summary:
     r"""Simulate a robot or a mechanism, or every case of a batch, from its initial state.
@@ -95,6 +97,12 @@ def solve(
         models.
     observe : dict of Observable, optional
         User-defined columns for a batch, by name: see `observable`.
+    events : dict, optional
+        Events of your own by name: functions of the state whose passages through zero are found to the last digits of the run, such as
+        ``{"passes the mark": lambda s: s.x - 1.0}``. The state ``s`` is that of `observable`; of a `SwitchingFlow` the function takes
+        (t, y), or (t, y, n), as a guard does. ``(function, "rises")`` or ``(function, "falls")`` takes one direction, and with ``"ends"``
+        behind it the run ends there. They are among the events of a run, and in its `named_events`; a batch has the columns
+        ``first_passes_the_mark`` [s] and ``number_passes_the_mark``.
     **options
         Options of the method: ``steps`` per period for "rk4"; for a `SwitchingFlow` the initial ``mode``, which follows from its state
         if not given.
@@ -132,6 +140,7 @@ def solve(
         progress=progress,
         duration=duration,
         observe=observe,
+        events=events,
         options=options,
     )
     return _solved(model, settings)
@@ -146,7 +155,8 @@ def solved(model: Model, settings: Settings) -> Trajectory | Summary:
 def _solved(model: Model, settings: Settings) -> Trajectory | Summary:
     with taking_some_cases():
         todo = request(model, settings)
-        result = method_for(todo.method, todo.model, bool(todo.observe)).run(todo)
+        events, method = events_of_model("solve", model, settings.events), method_for(todo.method, todo.model, bool(todo.observe))
+        result = with_events(todo, method.run(todo), events, method.run)
         if todo.partial and is_asked_to_end() and result.interrupted:
             accept_part()
         return result

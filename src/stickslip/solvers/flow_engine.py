@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 MOST_SWITCHES = 10_000  # in one run, if it is not said
 BUDGET = 200_000  # steps
-_FIRST = 7  # where a step's polynomials begin, behind its times, its mode, and how many switches were before it
+FIRST = 7  # where a step's polynomials begin, behind its times, its mode, and how many switches were before it
 _KEPT = 64  # flows whose equations are kept
 _SHARP = 1e13  # a disturbance that moves a switch by so much more than itself: what is only touched has no derivative
 _systems: Remembered[FlowEquations] = Remembered(_KEPT)
@@ -201,18 +201,18 @@ def follow_flow(
     if whole.status[0] == Status.NOT_COMPUTED:  # its last step is that in which it was interrupted
         if len(steps) < 2:
             look()
-        end, last = steps[-1, _FIRST:].reshape(kernel.states, -1)[:n, 0], steps[-1, 4]
+        end, last = steps[-1, FIRST:].reshape(kernel.states, -1)[:n, 0], steps[-1, 4]
         steps = steps[:-1]
     last = round(float(last))
     where = _last_before_switches(whole, steps)
     modes = [labels[int(number) - 1] for number in _sides(whole, steps)[:, 0]]
     events = [ModeChange(begin + float(steps[k, 2]), modes[k], modes[k + 1]) for k in where]
     lasts = steps[:, 2] > steps[:, 1]
-    long, passed = steps[lasts], steps[~lasts, _FIRST:].reshape(-1, kernel.states, kernel.degree + 1)[:, :n, 0]
+    long, passed = steps[lasts], steps[~lasts, FIRST:].reshape(-1, kernel.states, kernel.degree + 1)[:, :n, 0]
     nodes = begin + np.concatenate([steps[:1, 1], long[:, 2]])
     nodes[-1] = nodes[-1] if early else begin + duration
     M, rank_deficient = _growth(results, n, kernel.states) if growth else (None, False)
-    coefficients = long[:, _FIRST:].reshape(len(long), kernel.states, kernel.degree + 1)[:, :n]
+    coefficients = long[:, FIRST:].reshape(len(long), kernel.states, kernel.degree + 1)[:, :n]
     state = end + 0.0  # no negative zero
     return FlowSolution(
         nodes, long[:, 4].astype(int) - 1, coefficients, events, passed, state, labels[last - 1], float(nodes[-1]), M, rank_deficient,
@@ -239,7 +239,7 @@ def _growth(results: list[Any], n: int, states: int) -> tuple[Array, bool]:
 def _switches(result: Any, n: int, states: int) -> list[tuple[Array, Array, Array]]:
     """At each switch the change of the state before it, that after it with the change of its time, and the rates before it."""
     steps = _steps(result)
-    c, switches = result.pieces[:, _FIRST:].reshape(len(result.pieces), states, -1), []
+    c, switches = result.pieces[:, FIRST:].reshape(len(result.pieces), states, -1), []
     for k in _last_before_switches(result, steps):
         after = c[k + 1, n : 2 * n + 1, 0] if k + 1 < len(c) else result.end[0, 1 + n : 2 + 2 * n]
         h = steps[k, 2] - steps[k, 1]
@@ -338,8 +338,8 @@ def returned(
 def _check(flow: SwitchingFlow, result: Any, begin: float, n: int, most: int | None) -> None:
     """`SolveError` where a run ended before its time."""
     status, rows = int(result.status[0]), result.pieces
-    width = (rows.shape[1] - _FIRST) // (2 * n + 1)
-    lost = np.flatnonzero(~np.isfinite(rows[:, _FIRST : _FIRST + n * width]).all(axis=1))
+    width = (rows.shape[1] - FIRST) // (2 * n + 1)
+    lost = np.flatnonzero(~np.isfinite(rows[:, FIRST : FIRST + n * width]).all(axis=1))
     if status <= Status.REPEATS and len(lost):
         rows, status = rows[: lost[0]], Status.NOT_A_NUMBER
     if status in (Status.FINISHED, Status.REPEATS, Status.NOT_COMPUTED) or (status == Status.SWITCHES and most is not None):

@@ -43,9 +43,9 @@ def starting_modes(flow: SwitchingFlow, states: Array, given: Any = None, one: b
     Examples
     --------
     >>> import stickslip as ss
-    >>> far, back = ss.Switch(lambda t, y: 1.0 - y[0], "far"), ss.Switch(lambda t, y: y[0] - 1.0, "near", lambda t, y: (y[0], -y[1]))
-    >>> flow = ss.SwitchingFlow({"far": lambda t, y: (y[1], 0.0), "near": lambda t, y: (y[1], 0.0)}, {"far": (back,), "near": (far,)})
-    >>> starting_modes(flow, np.array([[2.0, 0.0], [0.5, 0.0]]), one=True)
+    >>> back = ss.Switch(lambda t, y: y[0] - 1.0, "far", lambda t, y: (y[0], -y[1]))
+    >>> flow = ss.SwitchingFlow({"far": lambda t, y: (y[1], 0.0), "near": lambda t, y: (y[1], -1.0)}, {"far": (back,)})
+    >>> starting_modes(flow, np.array([[2.0, 0.3], [0.5, 0.3]]), one=True)
     ['far', 'near']
     """
     cases = [flow] * len(states) if one else cases_of(flow)

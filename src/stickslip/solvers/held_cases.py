@@ -63,6 +63,9 @@ class HeldCase(Protocol):
     def ready_for(self, numbers: Iterable[str]) -> Any:
         """The case in which these numbers can change; what has not been compiled yet is."""
 
+    def is_as(self, other: Any) -> bool:
+        """Whether another case of this simulation has the same numbers."""
+
     def is_quick(self, number: str) -> bool:
         """Whether a number may change without a look at the rest of the machine."""
 

@@ -13,7 +13,8 @@ from stickslip.basics.errors import InputError
 from stickslip.basics.status import STATUS
 from stickslip.engine.held_lane import HeldLane, Side
 from stickslip.models.switching_flow import SwitchingFlow
-from stickslip.results.flow_pieces import ModeChange
+from stickslip.results.flow_pieces import FlowPieces, ModeChange
+from stickslip.results.flow_run import FlowRun
 from stickslip.solvers import flow_engine
 from stickslip.solvers.flow_requests import flow_request
 from stickslip.solvers.held_cases import Standing, times_of
@@ -70,6 +71,10 @@ class FlowCase:
     def ready_for(self, numbers: Iterable[str]) -> FlowCase:
         """Itself: any of its numbers can change."""
         return self
+
+    def is_as(self, other: Any) -> bool:
+        """Whether another case of this simulation has the same numbers."""
+        return self.numbers() == other.numbers()
 
     def is_quick(self, number: str) -> bool:
         """A flow's numbers may be any, so that each changes alone."""
@@ -136,9 +141,16 @@ class FlowCase:
         """Nothing is pressed."""
         return []
 
-    def run(self, rows: Array, more: dict[str, Any]) -> Any:
-        """`InputError`: its steps are not kept."""
-        raise InputError("simulation", ["the run of a flow is not kept step by step; type ss.solve(flow, duration=60.0) for one"])
+    def run(self, rows: Array, more: dict[str, Any]) -> FlowRun:
+        """Some steps as a run."""
+        n, long, switches = self._n, rows[rows[:, 2] > rows[:, 1]], np.flatnonzero(np.diff(rows[:, 5]) > 0)
+        c = rows[:, flow_engine.FIRST :].reshape(len(rows), self.kernel.states, -1)[:, :n]
+        modes = [self._labels[round(float(number)) - 1] for number in rows[:, 4]]
+        events = [ModeChange(float(rows[k, 2]), modes[k], modes[k + 1]) for k in switches]
+        nodes = np.concatenate([long[:1, 1], long[:, 2]])
+        passed, own = c[rows[:, 2] <= rows[:, 1], :, 0], c[rows[:, 2] > rows[:, 1]]
+        pieces = FlowPieces(nodes, np.round(long[:, 4]).astype(int) - 1, own, passed, events, own[-1].sum(axis=-1), modes[-1])
+        return FlowRun(self.model, pieces, None, 0, _RTOL, "exact", **more)
 
     def budget(self, duration: float) -> float:
         """As many as in one run."""

@@ -105,6 +105,10 @@ class MachineCase:
         numbers = dict(leaves(self.machine))
         return {name: float(numbers.get(number, 0.0)) for name, number in self.names.items()}
 
+    def is_as(self, other: Any) -> bool:
+        """Whether another case of this simulation has the same numbers and forces."""
+        return bool(self.model == other.model)
+
     def is_quick(self, number: str) -> bool:
         """Forces may change without a look at the rest of the machine."""
         return number.startswith(_FORCE)

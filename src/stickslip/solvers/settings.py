@@ -43,6 +43,7 @@ class Settings:
     progress: Any = None
     duration: Any = None
     observe: Any = None
+    events: Any = None
     options: dict[str, Any] = field(default_factory=dict)
 
     @classmethod

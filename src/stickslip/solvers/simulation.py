@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,11 +15,14 @@ from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.status import Status
 from stickslip.engine.held_lane import ENDED, ROOM, Image
+from stickslip.models.crossings import Crossing
 from stickslip.models.model_adapter import adapter_of
+from stickslip.results.named_events import found_events
 from stickslip.solvers.held_cases import HeldCase
 from stickslip.solvers.held_flows import FlowCase
 from stickslip.solvers.held_machines import MachineCase
 from stickslip.solvers.moments import Kept, Moment, after_step, changes_in, end_of, first_moment
+from stickslip.solvers.named_events import events_of_model
 
 
 @dataclass(frozen=True)
@@ -61,7 +65,15 @@ class Simulation:
     0.200000000 ['slip']
     """
 
-    def __init__(self, case: HeldCase, record: bool = False, moment: Moment | None = None, made_with: dict[str, float] | None = None):
+    def __init__(
+        self,
+        case: HeldCase,
+        record: bool = False,
+        moment: Moment | None = None,
+        made_with: dict[str, float] | None = None,
+        events: Mapping[str, Crossing] | None = None,
+    ):
+        self._watched = {} if events is None else events
         self.now, self._record, self._own = first_moment(case) if moment is None else moment, record, object()
         self.made_with = case.numbers() if made_with is None else made_with
 
@@ -115,14 +127,15 @@ class Simulation:
 
     @property
     def events(self) -> list[Any]:
-        """What happened in the last step, with exact instants: a list of `Event`, of a flow of `ModeChange`.
+        """What happened in the last step, with exact instants: a list of `Event`, of a flow of `ModeChange`, and events of the user.
 
         What happens at the end of a step belongs to that step, and what a jump of an input does at once to the step that begins with it.
         """
         last = self.now.last
         if last is None:
             return []
-        return [*last.early, *(last.case.events(last.before, last.rows, last.after) if len(last.rows) else ())]
+        events = [*last.early, *(last.case.events(last.before, last.rows, last.after) if len(last.rows) else ())]
+        return sorted(events, key=lambda event: event.t) if self._watched else events
 
     @property
     def columns(self) -> dict[str, Any]:
@@ -133,7 +146,7 @@ class Simulation:
         Raises
         ------
         InputError
-            If no motion follows, as where a contact is lost; and for a flow, whose columns are in `state`.
+            If no motion follows, as where a contact is lost.
         """
         now = self.now
         draft = now.lane.draft_of(now.side)
@@ -188,9 +201,24 @@ class Simulation:
         given = {} if inputs is None else changes_in(now, inputs)
         if now.status == Status.LOST:
             return self.state
-        moment = after_step(now, end, dt, given, stop_at_events, self._record)
+        moment = after_step(now if self._record else now._replace(kept=None), end, dt, given, stop_at_events, self._record or self._watches)
+        moment = self._with_named(moment, now.kept) if self._watches else moment
         self.now = moment  # all at once: Ctrl-C comes before or after it
         return moment.case.state(moment.side, moment.t)
+
+    @property
+    def _watches(self) -> bool:
+        return bool(self._watched)
+
+    def _with_named(self, moment: Moment, since: Kept | None) -> Moment:
+        """A moment after a step that knows where functions of the user passed zero in it."""
+        own, kept = list[Any](), moment.kept
+        while kept is not None and not (self._record and kept is since):
+            own = [*found_events(kept.case.run(kept.rows, {"samples": 4}), self._watched), *own]
+            kept = kept.before
+        if moment.last is not None and own:
+            moment = moment._replace(last=moment.last._replace(early=(*moment.last.early, *own)))
+        return moment if self._record else moment._replace(kept=None)
 
     # ---- what is kept ----
     def snapshot(self) -> Snapshot:
@@ -212,7 +240,7 @@ class Simulation:
         self.now = before._replace(side=before.lane.draft_of(snapshot.image, now))
 
     def trajectories(self) -> list[Any]:
-        """What happened so far, if it is recorded: a `Trajectory` for each stretch of constant inputs, in order.
+        """What happened so far, if it is recorded: a `Trajectory` for each stretch of constant inputs, in order; of a flow a `FlowRun`.
 
         Raises
         ------
@@ -224,7 +252,7 @@ class Simulation:
         stretches: list[list[Kept]] = []
         kept = self.now.kept
         while kept is not None:
-            if stretches and kept.case.model == stretches[-1][-1].case.model:
+            if stretches and kept.case.is_as(stretches[-1][-1].case):
                 stretches[-1].append(kept)
             else:
                 stretches.append([kept])
@@ -242,7 +270,7 @@ class Simulation:
         return save(self, path)
 
     @classmethod
-    def load(cls, path: str | Path, machine: Any = None) -> Simulation:
+    def load(cls, path: str | Path, machine: Any = None, events: dict[str, Any] | None = None) -> Simulation:
         """The simulation that `save` wrote.
 
         Parameters
@@ -250,6 +278,8 @@ class Simulation:
         path : str or Path
         machine : Robot or machine, or SwitchingFlow, optional
             The machine that was given to `simulation`; needed where a file cannot hold it, as with a flow or a class of your own.
+        events : dict, optional
+            As for `simulation`: functions are in no file.
 
         Raises
         ------
@@ -258,7 +288,9 @@ class Simulation:
         """
         from stickslip.solvers.simulation_files import load
 
-        return load(path, machine)
+        loaded = load(path, machine)
+        loaded._watched = _watched(loaded.machine, events)
+        return loaded
 
     def __repr__(self) -> str:
         return f"<Simulation: {type(self.machine).__name__} at t = {self.t:.9g} s by {self.method}, {self.status}>"
@@ -266,7 +298,14 @@ class Simulation:
 
 @explains_arguments
 def simulation(
-    machine: Model, start: dict[str, Any] | None = None, *, rtol: float = 1e-6, method: str = "auto", mode: Any = None, record: bool = False
+    machine: Model,
+    start: dict[str, Any] | None = None,
+    *,
+    rtol: float = 1e-6,
+    method: str = "auto",
+    mode: Any = None,
+    record: bool = False,
+    events: dict[str, Any] | None = None,
 ) -> Simulation:
     r"""A machine that goes on step by step, for a loop of your own.
 
@@ -281,9 +320,11 @@ def simulation(
     method : str
         "auto", "exact", "taylor", or a Rosenbrock method of `METHODS`.
     mode : optional
-        The first mode of a flow.
+        The first mode of a flow; if not given it follows from the state.
     record : bool
         Whether its motion is kept (`Simulation.trajectories`); else the memory that it needs does not grow.
+    events : dict, optional
+        Events of your own by name, as for `solve`; each step says which were in it. None of them is terminal.
 
     Returns
     -------
@@ -313,9 +354,16 @@ def simulation(
     (2.0, True)
     """
     case = case_of(machine, start, rtol, method, mode)
-    if record and not adapter_of(machine).has_bodies:
-        raise InputError("simulation", ["record=True is for machines, not for flows; leave it out, and read sim.state after each step"])
-    return Simulation(case, record)
+    return Simulation(case, record, events=_watched(machine, events))
+
+
+def _watched(machine: Any, events: Any) -> dict[str, Crossing]:
+    """Events of the user; `InputError` where one would end a run."""
+    watched = events_of_model("simulation", machine, events)
+    if ending := [name for name, each in watched.items() if each.terminal]:
+        how = 'leave "ends" out, and end your loop where sim.events has it'
+        raise InputError("simulation", [f"events[{ending[0]!r}] is terminal; allowed are events that end nothing; {how}"])
+    return watched
 
 
 def case_of(machine: Any, start: Any, rtol: float, method: str, mode: Any) -> Any:

@@ -18,6 +18,7 @@ from stickslip.basics.status import STATUS, Status
 from stickslip.solvers import solve
 from stickslip.solvers.flow_requests import flow_request
 from stickslip.solvers.flow_solving import flow_columns
+from stickslip.solvers.named_events import event_columns, events_of_model, refuse_terminal
 from stickslip.solvers.settings import Settings, check_rtol
 from stickslip.studies.execution import Execution
 from stickslip.studies.progress import Watch
@@ -78,7 +79,8 @@ def _cases(flow: SwitchingFlow, space: Space, settings: Settings, settle: float 
     varying, fixed = space.at(np.arange(space.cases)), space.fixed
     numbers, first = ({name: value for name, value in of.items() if not name.startswith(_START)} for of in (varying, fixed))
     starts, begun = ({name.removeprefix(_START): v for name, v in of.items() if name.startswith(_START)} for of in (varying, fixed))
-    flow, start = flow.replace(first), settings.start
+    flow, start, watched = flow.replace(first), settings.start, events_of_model("sweep", flow, settings.events)
+    refuse_terminal("sweep", watched)
     if (starts or begun) and start is not None and not isinstance(start, dict):
         raise InputError("sweep", [f"start = {start!r} beside axes of the start; allowed is a dict; type start={{'x': 0.1}}"])
 
@@ -93,10 +95,11 @@ def _cases(flow: SwitchingFlow, space: Space, settings: Settings, settle: float 
             return {"status": Status.BAD_INPUT}
         start, length = todo.start[0], float(todo.lengths[0])
         columns = flow_columns(todo.model, start, todo.modes[0], length, float((todo.settle * todo.span)[0]) if settle is None else settle)
-        if settle is None or columns["status"] != 0:
+        if columns["status"] != 0 or (settle is None and not watched):
             return columns
         run = solve(todo.model, duration=length, start=start, mode=todo.modes[0], keep="trajectory")
-        return columns | flow_motion_columns(run, settle, todo.model.modes)
+        columns |= event_columns(run, watched)
+        return columns if settle is None else columns | flow_motion_columns(run, settle, todo.model.modes)
 
     good = np.flatnonzero(np.all([np.isfinite(values) for values in varying.values()], axis=0)) if varying else range(space.cases)
     if len(good):
@@ -124,8 +127,9 @@ def _attributes(name: str) -> dict[str, str]:
         "duration": "time until it repeats", "amplitude": f"half of the range of {state} in a cycle",
         "fraction": f"part of the time in mode {state}",
         "mean": f"mean of {state}", "min": f"smallest {state}", "max": f"largest {state}", "end": f"{state} at the end",
-        "switches": "number of switches", "period": "periods of the forcing, or turns without one, until it repeats (0: none seen)",
+        "switches": "number of switches", "first": f"first instant of {state}", "number": f"how often {state} happens",
+        "period": "periods of the forcing, or turns without one, until it repeats (0: none seen)",
     }  # fmt: skip
     if name == "status":
         return {"long_name": "how the run ended", "flag_meanings": "; ".join(f"{k}: {said}" for k, said in STATUS.items())}
-    return {"long_name": long[what]}
+    return {"long_name": long.get(what, f"{what} {state}")}

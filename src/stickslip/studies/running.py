@@ -57,6 +57,7 @@ def sweep(
     retries: int = 3,
     progress: Callable[[Progress], Any] | bool | None = None,
     observe: dict[str, Any] | None = None,
+    events: dict[str, Any] | None = None,
     **axes: Any,
 ) -> xr.Dataset:
     """Solve a robot on a grid of its numbers, or on any other design.
@@ -102,6 +103,9 @@ def sweep(
     progress : callable or bool, optional
         True for a progress line, or a function that is called with a `Progress`; return False to stop. The results obtained so far are
         returned, as after Ctrl-C; the remaining cases have the status "not computed", and a note says how many they are.
+    events : dict, optional
+        Events of your own by name, of sweeps of a `SwitchingFlow`: columns with the first instant and the number of each, as of a batch of
+        `solve`, which has them of machines too.
     **axes
         Arguments of `make`. A list, an array or an `xarray.DataArray` is an axis, also of words, such as ``law=["coulomb", "lugre"]``.
 
@@ -138,8 +142,11 @@ def sweep(
     if names_states(make):
         from stickslip.studies.flow_sweeps import sweep_of_flow
 
-        told = options | {"start": start, "periods": None if duration is not None and periods == 200 else periods}
+        told = options | {"start": start, "events": events, "periods": None if duration is not None and periods == 200 else periods}
         return sweep_of_flow(make, designs, axes, Settings(**told), how, continue_along)
+    if events is not None:
+        how_to = "type ss.solve(machine, events=...) of a machine whose numbers are arrays, which has a column for each event"
+        raise InputError("sweep", [f"events is known of sweeps of a SwitchingFlow; {how_to}"])
     return carried_out(planned(make, designs, axes, start, continue_along, tile, **options), how)
 
 

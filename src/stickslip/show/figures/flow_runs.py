@@ -54,6 +54,9 @@ def states(run: Any, *names: str, duration: float | None = None, ax: Ax = None) 
     for event in run.events:
         if t[0] <= event.t:
             ax.axvline(event.t, color=INK, linewidth=0.3, zorder=1)
+    for event in run.named_events:
+        if t[0] <= event.t:
+            ax.axvline(event.t, color=COLOURS[0], linewidth=0.6, linestyle=":", zorder=1)
     ax.set(xlabel="time", ylabel=names[0] if len(names) == 1 else "states")
     if len(names) > 1:
         legend_above(ax, ncols=len(names))

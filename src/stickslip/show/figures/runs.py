@@ -193,6 +193,9 @@ def velocity(
     rested = [] if _parts(runs[0], "body") else sticking_intervals(runs[0], *spans[0])
     shaded = _shade(ax, rested, spans[0][0], time, names[0] if len(runs) > 1 else "")
     ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
+    for event in runs[0].named_events:
+        if spans[0][0] <= event.t <= spans[0][1]:
+            ax.axvline((event.t - spans[0][0]) * time, color=INK, linewidth=0.6, linestyle=":", zorder=1)
     for i, (name, number, t, v) in enumerate(curves):
         since = t - spans[number][0]
         ax.plot(since * time, v * factor, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)

@@ -1,0 +1,112 @@
+"""Events of the user in what `solve` returns: in the run itself, or as columns of a batch, whose cases are each run once more by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip.basics.batch import Labels, cases_of
+from stickslip.basics.errors import InputError, SolveError
+from stickslip.basics.interruption import look
+from stickslip.models.crossings import Crossing, checked_crossings
+from stickslip.models.machine_adapter import machine_of
+from stickslip.models.model_adapter import adapter_of
+from stickslip.results.named_events import found_events
+from stickslip.results.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from stickslip.results.summary import Summary
+    from stickslip.solvers.settings import Request
+
+
+def events_of_model(what: str, model: Any, events: Any) -> dict[str, Crossing]:
+    """The events that were asked for, by name; none may be called as a contact or a stop of the model is."""
+    if events is None:
+        return {}
+    if not adapter_of(model).has_bodies:
+        return checked_crossings(what, events, model.contacts)
+    mechanics = machine_of(model).mechanics
+    return checked_crossings(what, events, (*mechanics.contacts, *(stop.name for stop in mechanics.stops)))
+
+
+def with_events(todo: Request, result: Any, events: Mapping[str, Crossing], run: Callable[[Request], Any]) -> Any:
+    """A result of `solve` with the events that were asked for; `run` solves a request."""
+    if not events:
+        return result
+    return marked(result, events) if isinstance(result, Trajectory) else _with_columns(todo, result, events, run)
+
+
+def marked(run: Trajectory, events: Mapping[str, Crossing]) -> Trajectory:
+    """A run with its events; up to the first one that ends it."""
+    found = found_events(run, events)
+    end = next((event for event in found if events[event.part].terminal), None)
+    if end is None:
+        return replace(run, named_events=tuple(found))
+    pieces = run.pieces.until(end.t) if end.t < run.pieces.t[-1] else run.pieces
+    known = tuple(event for event in found if event.t <= end.t)
+    return replace(run, pieces=pieces, status=f"ended by the event {end.part!r}", named_events=known)
+
+
+def event_columns(run: Trajectory, events: Mapping[str, Crossing]) -> dict[str, Any]:
+    """The first instant of each event of a run (NaN: none), and how often it happens."""
+    times = {name: [event.t for event in found_events(run, {name: each})] for name, each in events.items()}
+    first = {column_of("first", name): own[0] if own else np.nan for name, own in times.items()}
+    return first | {column_of("number", name): len(own) for name, own in times.items()}
+
+
+def refuse_terminal(what: str, events: Mapping[str, Crossing]) -> None:
+    """`InputError` where an event would end a run whose numbers are those of all of it."""
+    if any(each.terminal for each in events.values()):
+        mistake = "an event is terminal, and the numbers of a batch are those of whole runs; allowed are events that end nothing"
+        raise InputError(what, [f'{mistake}; leave "ends" out, and read the column first_... for where a run would end'])
+
+
+def column_of(what: str, name: str) -> str:
+    """The name of a column of a batch: "first" or "number" of an event.
+
+    Examples
+    --------
+    >>> column_of("first", "passes the mark")
+    'first_passes_the_mark'
+    """
+    return f"{what}_" + "".join(letter if letter.isalnum() else "_" for letter in name)
+
+
+def _with_columns(todo: Request, summary: Summary, events: Mapping[str, Crossing], run: Callable[[Request], Any]) -> Summary:
+    """The summary with two more columns for each event: its first instant (NaN: none), and how often it happens (-1: not known)."""
+    refuse_terminal("solve", events)
+    lacking = {column_of("first", name): np.nan for name in events} | {column_of("number", name): -1 for name in events}
+    rows: list[dict[str, Any]] = []
+    for k, case in enumerate(cases_of(todo.model)):
+        look()
+        try:
+            rows.append(event_columns(run(_one_case(todo, case, k)), events))
+        except SolveError:
+            rows.append(lacking)
+    more = {name: np.array([row[name] for row in rows]).reshape(todo.labels.shape) for name in lacking}
+    return replace(summary, columns={**summary.columns, **more})
+
+
+def _one_case(todo: Request, case: Any, k: int) -> Request:
+    """The request for one case of a batch as a run."""
+    numbers = {name: np.broadcast_to(value, todo.labels.shape).ravel()[k] for name, value in todo.numbers.items()}
+    return replace(
+        todo,
+        model=case,
+        labels=Labels(()),
+        start=todo.start[k : k + 1],
+        keep="trajectory",
+        auto=False,
+        span=np.ravel(todo.span)[k : k + 1],
+        numbers=numbers,
+        observe=(),
+        given_start={},
+        progress=lambda done, cases: None,
+        partial=False,
+        modes=todo.modes[k : k + 1],
+    )
