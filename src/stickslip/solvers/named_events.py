@@ -94,7 +94,7 @@ def _with_columns(todo: Request, summary: Summary, events: Mapping[str, Crossing
 
 def _one_case(todo: Request, case: Any, k: int) -> Request:
     """The request for one case of a batch as a run."""
-    numbers = {name: np.broadcast_to(value, todo.labels.shape).ravel()[k] for name, value in todo.numbers.items()}
+    numbers = {name: float(np.ravel(value)[0]) for name, value in todo.numbers_of(slice(k, k + 1)).items()}
     return replace(
         todo,
         model=case,
