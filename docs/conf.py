@@ -21,6 +21,7 @@ extensions = [
     "executed",
     "notebooks",
     "api_pages",
+    "moved",
 ]
 exclude_patterns = ["_build"]
 

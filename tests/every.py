@@ -224,8 +224,8 @@ def wrong_line(name, line):
 
 
 def not_on_page(name, kept):
-    """A sentence where the table of docs/which-machine.md has no column of a machine."""
-    told = f'{name!r}: docs/which-machine.md has no column of it; type python docs/_ext/which_machine.py "{name}"'
+    """A sentence where the table of notes/which-machine.md has no column of a machine."""
+    told = f'{name!r}: notes/which-machine.md has no column of it; type python docs/_ext/which_machine.py "{name}"'
     return [] if any(machine == name for machine, _ in kept) else [told]
 
 

@@ -87,7 +87,7 @@ def machine_lacks(name):
     """Sentences on what a machine lacks; `tests/every.py` says the rest."""
     made = MECHANISMS[name]
     kind = [] if name else [f'{made.__name__}: write kind: ClassVar[str] = "{made.__name__.lower()}", its name in a study file']
-    return kind + unfinished(made, "docs/which-machine.md", "docs/machines/*.md" if issubclass(made, ss.Machine) else "docs/mechanisms.md")
+    return kind + unfinished(made, "notes/which-machine.md", "docs/machines/*.md" if issubclass(made, ss.Machine) else "docs/mechanisms.md")
 
 
 def examples(registry):

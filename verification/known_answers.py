@@ -1,4 +1,4 @@
-"""Answers of nonlinear dynamics that are known, by the public functions: the table of docs/known-answers.md.
+"""Answers of nonlinear dynamics that are known, by the public functions: the table of notes/known-answers.md.
 
 ``python verification/known_answers.py`` prints its rows; with names of rows only those.
 """

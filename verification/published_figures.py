@@ -1,4 +1,4 @@
-"""The figures of docs/known-answers.md: ``python verification/published_figures.py docs/images``."""
+"""The figures of notes/known-answers.md: ``python verification/published_figures.py docs/images``."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """The table of the page on which machine goes through which door: made from what tests/properties/test_every_machine.py tries.
 
-``python docs/_ext/which_machine.py`` tries every machine at every door and writes docs/which-machine.md anew; with names of machines
+``python docs/_ext/which_machine.py`` tries every machine at every door and writes notes/which-machine.md anew; with names of machines
 behind it, as they stand in tests/every.py, it tries these alone and keeps what the page says of the others.
 """
 
@@ -12,7 +12,7 @@ import tempfile
 from pathlib import Path
 
 YES = "yes"
-PAGE = Path(__file__).parent.parent / "which-machine.md"
+PAGE = Path(__file__).parents[2] / "notes" / "which-machine.md"
 BEGIN, END = "<!-- the table begins -->", "<!-- the table ends -->"
 
 
@@ -87,7 +87,7 @@ def not_yes_or_no(name, door):
 def lacking(names, machines, doors, kept):
     """A sentence for each machine that is not to be tried, and of which the page does not say everything."""
     return [
-        f"docs/which-machine.md lacks {name!r} at {_doors(left, doors)}; type its name too, or no name, which tries all"
+        f"notes/which-machine.md lacks {name!r} at {_doors(left, doors)}; type its name too, or no name, which tries all"
         for name in machines
         if names and name not in names and (left := [door for door in doors if (name, door) not in kept])
     ]

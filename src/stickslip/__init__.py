@@ -7,7 +7,7 @@ import sys
 from stickslip.basics.lazy_names import lazy_names, typed_name
 from stickslip.basics.presenting import on_demand
 
-__version__ = "0.1.0.dev0"
+__version__ = "0.1.0"
 
 _load, __dir__, __all__ = lazy_names(__name__, __file__)
 

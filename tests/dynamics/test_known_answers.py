@@ -31,7 +31,7 @@ QUICK = (
     "pecks_down",
     "bends",
 )
-PAGE = (ROOT / "docs" / "known-answers.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "notes" / "known-answers.md").read_text(encoding="utf-8")
 PRINTED = {
     line.split("|")[1].strip(): [cell.strip() for cell in line.split("|")[2:-1]] for line in PAGE.splitlines() if line.startswith("| ")
 }

@@ -3,6 +3,7 @@
 import ast
 import importlib.util
 import inspect
+import json
 import re
 import subprocess
 import sys
@@ -74,7 +75,16 @@ def test_the_version_is_the_same_everywhere():
 
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     cited = re.search(r"^version: (\S+)$", (ROOT / "CITATION.cff").read_text(encoding="utf-8"), re.M)
-    assert {project["version"], cited[1], stickslip.__version__} == {project["version"]}
+    archived = json.loads((ROOT / ".zenodo.json").read_text(encoding="utf-8"))["version"]
+    recipe = re.search(r'^  version: "(\S+)"$', (ROOT / "packaging/conda-forge/recipe.yaml").read_text(encoding="utf-8"), re.M)
+    assert {cited[1], stickslip.__version__, archived, recipe[1]} == {project["version"]}
+
+
+def test_the_conda_recipe_asks_for_what_the_package_asks_for():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    recipe = (ROOT / "packaging/conda-forge/recipe.yaml").read_text(encoding="utf-8").replace("matplotlib-base", "matplotlib")
+    listed = re.findall(r"^    - ([\w-]+) (>=[\d.]+)$", recipe.partition("  run:\n")[2], re.M)
+    assert {f"{name}{floor}" for name, floor in listed} == set(project["dependencies"])
 
 
 # floors -----------------------------------------------------------------------------------------------------------

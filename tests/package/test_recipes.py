@@ -85,10 +85,10 @@ def test_every_link_is_registered():
 
 @each_row("folder", ["laws", "drives", "machines"])
 def test_every_page_is_in_a_list_of_pages(folder):
-    listed = text_of(f"docs/{folder}/index.md" if folder != "machines" else "docs/index.md")
+    listed = text_of(f"docs/{folder}/index.md")
     pages = [page.stem for page in (ROOT / "docs" / folder).glob("*.md") if page.stem != "index"]
     left = [name for name in pages if not re.search(rf"^({folder}/)?{name}$", listed, re.MULTILINE)]
-    assert not left, f"{', '.join(left)}: add to the list of pages (toctree) of docs/{'' if folder == 'machines' else folder + '/'}index.md"
+    assert not left, f"{', '.join(left)}: add to the list of pages (toctree) of docs/{folder}/index.md"
 
 
 @each_row("name", ss.friction.LAWS)

@@ -15,7 +15,7 @@ from rows import each_row
 from stickslip.analysis.losses_at_instants import lost_at_hits
 from stickslip.mechanisms import MECHANISMS
 
-PAGE = Path(__file__).parents[2] / "docs" / "which-machine.md"
+PAGE = Path(__file__).parents[2] / "notes" / "which-machine.md"
 sys.path.insert(0, str(PAGE.parent / "_ext"))
 
 import which_machine  # noqa: E402
@@ -50,8 +50,8 @@ def test_a_machine_that_is_not_known_is_refused_before_any_is_tried():
 def test_a_page_that_lacks_another_machine_says_to_name_that_one_too():
     both, end = {"Robot": 0, "Joint": 0}, "; type its name too, or no name, which tries all"
     at_all, at_one = lacking(["Robot"], both, ["CSV", "report"], {}), lacking(["Robot"], both, ["CSV", "report"], {("Joint", "CSV"): "yes"})
-    assert at_all == [f"docs/which-machine.md lacks 'Joint' at every door{end}"]
-    assert at_one == [f"docs/which-machine.md lacks 'Joint' at report{end}"]
+    assert at_all == [f"notes/which-machine.md lacks 'Joint' at every door{end}"]
+    assert at_one == [f"notes/which-machine.md lacks 'Joint' at report{end}"]
 
 
 @pytest.fixture(params=every_machine, scope="module")

@@ -7,7 +7,7 @@ import stickslip as ss
 from rows import each_row
 
 LAW = ss.Coulomb(mu_plus=0.2, mu_minus=0.2)
-BELT = ss.FlowContact(slip=lambda t, y: y[1] - 0.1, friction=LAW, load=9.81)
+BELT = ss.machines.FlowContact(slip=lambda t, y: y[1] - 0.1, friction=LAW, load=9.81)
 BLOCK = ss.SwitchingFlow(lambda t, y, R: (y[1], -4.0 * y[0] - R.belt), states=("x", "v"), contacts={"belt": BELT})
 
 

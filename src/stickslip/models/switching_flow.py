@@ -36,7 +36,7 @@ class Switch:
     ----------
     guard : callable
         g(t, y), positive before the switch, which occurs when it falls through zero, or immediately if a mode begins below zero.
-    to : mode or callable
+    to : int, str or callable
         The mode after it, or a function of (t, y) that returns it.
     reset : callable, optional
         The state after it, from (t, y); unchanged if not given.

@@ -37,7 +37,8 @@ def fit(
     """Fit friction laws to a file: roles, units, machine and law are proposed, and what was decided is in the result.
 
     The machine follows from what was measured: a force over a motion is a friction rig, a torque or a current over an angle a joint, a
-    velocity alone a shaken robot. Laws are compared by `ss.rank`, and one coefficient is that of both directions unless `asymmetric`.
+    velocity alone a shaken robot. Laws are compared by `ss.identification.rank`, and one coefficient is that of both directions unless
+    `asymmetric`.
 
     Parameters
     ----------

@@ -5,7 +5,7 @@ from stickslip.inverse.optimisation.derivative_columns import derivative
 from stickslip.inverse.optimisation.gradients import Gradient, gradient
 from stickslip.inverse.optimisation.optimise import optimise
 from stickslip.inverse.optimisation.optimum import Optimum, Search
-from stickslip.inverse.optimisation.pareto import pareto
+from stickslip.inverse.optimisation.pareto_fronts import pareto
 from stickslip.inverse.optimisation.propagation import Indices, Propagated, propagate
 from stickslip.inverse.optimisation.waveforms import Waveform, waveform
 

@@ -31,7 +31,7 @@ $ stickslip run piezo_rig tilt_deg=1.7 amplitude=5.56e-4 periods=40 --data run.c
 piezo_rig tilt_deg=1.7 amplitude=0.000556
   mean velocity      0.001786509 m/s
 …
-  made by            stickslip 0.1.0.dev0, Taylor12 at rtol 1e-06
+  made by            stickslip 0.1.0, Taylor12 at rtol 1e-06
 $ stickslip compare piezo_rig tilt_deg=1.7 amplitude=5.56e-4 --record run.csv
 piezo_rig tilt_deg=1.7 amplitude=0.000556
          mean velocity [m/s]  type        rms [m/s]    R²

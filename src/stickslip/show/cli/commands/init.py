@@ -44,7 +44,7 @@ study.toml drive.amplitude=0.0006
   energy per period  drive 1.931e-05 J, gravity 3.059e-06 J, friction 2.237e-05 J
   energy balance     worst residual 8.5e-14
   status             finished, 200 periods (100 to settle)
-  made by            stickslip 0.1.0.dev0, exact
+  made by            stickslip 0.1.0, exact
 """,
 )
 def act(asked: Namespace) -> Outcome:

@@ -31,7 +31,7 @@ $ stickslip run coulomb_robot alpha_plus=0.5 alpha_minus=0.9 periods=20 --data r
 coulomb_robot alpha_plus=0.5 alpha_minus=0.9
   mean velocity      0.1941414
 …
-  made by            stickslip 0.1.0.dev0, exact
+  made by            stickslip 0.1.0, exact
 $ stickslip read run.csv
 SYNTHETIC: computed, not measured
 text, 11 channels

@@ -40,7 +40,7 @@ piezo_rig tilt_deg=1.7 amplitude=0.000556
   energy per period  drive 1.823e-05 J, friction 1.823e-05 J
   energy balance     worst residual 1.7e-09
   status             finished, 200 periods (100 to settle)
-  made by            stickslip 0.1.0.dev0, Taylor12 at rtol 1e-06
+  made by            stickslip 0.1.0, Taylor12 at rtol 1e-06
 """,
 )
 def act(asked: Namespace) -> Outcome:
