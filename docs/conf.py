@@ -1,4 +1,4 @@
-"""Sphinx builds the documentation from this file: offline, strictly, without a script or a font from elsewhere."""
+"""Sphinx builds the documentation from this file: strictly, nothing from elsewhere."""
 
 import sys
 from importlib import metadata
@@ -34,7 +34,9 @@ autodoc_typehints = "none"  # the docstrings say type, unit and shape
 napoleon_google_docstring = False
 napoleon_use_rtype = False
 
-copybutton_selector = "div:not(.output) > div.highlight pre"  # what is typed, not what is answered
+copybutton_selector = (
+    "div:not(.output) > div.highlight pre"  # what is typed, not what is answered
+)
 copybutton_prompt_text = r"\$ |>>> |\.\.\. "
 copybutton_prompt_is_regexp = True
 
