@@ -9,7 +9,7 @@ from sphinx.util.docutils import SphinxDirective
 _COMMON = ("--json", "--allow-code", "ROBOT", "NAME=VALUE")  # the page says once what they are
 
 
-def told(parser) -> list[tuple[str, str]]:
+def arguments_of(parser) -> list[tuple[str, str]]:
     """Each argument as it is typed, and what it means."""
     rows = []
     for action in parser._actions:
@@ -35,19 +35,19 @@ class Commands(SphinxDirective):
 
 def section(name: str, parser, example: str) -> nodes.section:
     """One command."""
-    found = nodes.section(ids=[f"command-{name}"], names=[f"command-{name}"])
-    found += nodes.title("", "", nodes.literal("", f"stickslip {name}"))
-    found += nodes.paragraph("", parser.description)
-    found += block(" ".join(parser.format_usage().removeprefix("usage: ").split()), "text")
-    if rows := told(parser):
-        found += table(rows)
+    made = nodes.section(ids=[f"command-{name}"], names=[f"command-{name}"])
+    made += nodes.title("", "", nodes.literal("", f"stickslip {name}"))
+    made += nodes.paragraph("", parser.description)
+    made += block(" ".join(parser.format_usage().removeprefix("usage: ").split()), "text")
+    if rows := arguments_of(parser):
+        made += table(rows)
     end = (parser.epilog or "").removesuffix(example.rstrip("\n")).strip("\n")
     if end:
-        found += block(end, "text")
+        made += block(end, "text")
     if example:
-        found += nodes.paragraph("", "For example:")
-        found += block(example.rstrip("\n"), "console")
-    return found
+        made += nodes.paragraph("", "For example:")
+        made += block(example.rstrip("\n"), "console")
+    return made
 
 
 def block(text: str, language: str) -> nodes.literal_block:
@@ -56,11 +56,11 @@ def block(text: str, language: str) -> nodes.literal_block:
 
 def table(rows: list[tuple[str, str]]) -> nodes.definition_list:
     """Arguments with their meanings."""
-    found = nodes.definition_list()
+    made = nodes.definition_list()
     for name, meaning in rows:
         term = nodes.term("", "", nodes.literal("", name))
-        found += nodes.definition_list_item("", term, nodes.definition("", nodes.paragraph("", meaning)))
-    return found
+        made += nodes.definition_list_item("", term, nodes.definition("", nodes.paragraph("", meaning)))
+    return made
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

@@ -97,8 +97,8 @@ def saved(figure: Any, folder: Path, key: str) -> Path:
 
 def in_words(figure: Any) -> str:
     """A figure for those who do not see it: titles and axis labels."""
-    told = []
+    words = []
     for axes in figure.axes:
         title, x, y = axes.get_title(), axes.get_xlabel(), axes.get_ylabel()
-        told += [f"{title}: {y} against {x}" if title else f"{y} against {x}"] if x and y else [title or y or x]
-    return "Figure: " + "; ".join(dict.fromkeys(part for part in told if part)) if any(told) else "Figure drawn by the lines above"
+        words += [f"{title}: {y} against {x}" if title else f"{y} against {x}"] if x and y else [title or y or x]
+    return "Figure: " + "; ".join(dict.fromkeys(part for part in words if part)) if any(words) else "Figure drawn by the lines above"

@@ -55,11 +55,11 @@ def kept_table(text):
     body = text.partition(BEGIN)[2].partition(END)[0].strip()
     reasons = dict(re.findall(r"^(\d+)\. (.*)\.$", body, re.MULTILINE))
     head, _, *rows = [[part.strip() for part in line.split("|")[1:-1]] for line in body.splitlines() if line.startswith("|")]
-    found = {}
+    cells = {}
     for first, *row in rows:
         for name, said in zip(head[1:], row, strict=True):
-            found[name, first.strip("`")] = YES if said == YES else reasons[re.fullmatch(r"no \((\d+)\)", said)[1]]
-    return found
+            cells[name, first.strip("`")] = YES if said == YES else reasons[re.fullmatch(r"no \((\d+)\)", said)[1]]
+    return cells
 
 
 def unknown(names, machines):
