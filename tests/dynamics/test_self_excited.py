@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -216,3 +216,111 @@ def test_two_blocks_double_their_period_where_scipy_says(start, stop, flip):
     begun = np.flatnonzero(resting & ~np.roll(resting, 1))
     x = run.at(float(run.pieces.t[begun[-1]]) + 1e-9)["x"]
     assert special.value == pytest.approx(_flip_of_scipy(flip, float(x[1] - x[0]), len(begun)), abs=2e-7)
+
+
+# ---- a drill string of two discs (numbers of the kind of Navarro-Lopez and Suarez 2004; SciPy and eigenvalues are the judges) ----
+STATIC, DYNAMIC, FALL, ARM = 0.8, 0.5, 0.9, 53018.0 * 0.155575
+TOP, BIT, TWIST, TWISTING, MUD, HOLE = 2122.0, 471.9698, 861.5336, 50.0, 425.0, 50.0
+
+
+@dataclass(frozen=True, eq=False)
+class DrillString(ss.Machine):
+    """A motor's torque turns the top; the bit rubs on rock."""
+
+    torque: float
+    friction: Any = Exponential(DYNAMIC, STATIC, 1 / FALL)
+    time_scale = 2 * np.pi / np.sqrt(TWIST / BIT + TWIST / TOP)
+    velocity_scale = 10.0
+
+    def bodies(self):
+        top = ss.machines.Body(TOP, force=lambda t, x, v: self.torque - MUD * v)
+        return {"top": top, "bit": ss.machines.Body(BIT, force=lambda t, x, v: -HOLE * v)}
+
+    def contacts(self):
+        return {"bit": ss.machines.Contact("bit", self.friction, load=ARM)}
+
+    def links(self):
+        return {("top", "bit"): ss.machines.Spring(TWIST, damping=TWISTING)}
+
+
+def _growth(speed: float) -> float:
+    """How fast disturbances of steady rotation grow [1/s]."""
+    slope = -ARM * (STATIC - DYNAMIC) * FALL * np.exp(-FALL * speed)
+    rates = [
+        [0, 1, -1],
+        [-TWIST / TOP, -(MUD + TWISTING) / TOP, TWISTING / TOP],
+        [TWIST / BIT, TWISTING / BIT, -(TWISTING + HOLE + slope) / BIT],
+    ]
+    return float(np.linalg.eigvals(np.array(rates)).real.max())
+
+
+def _sticks_on(torque: float, start: Any, turns: int) -> bool:
+    """Whether the bit comes to rest in each of so many turns, by SciPy."""
+
+    def slide(t: float, y: Any) -> tuple[float, float, float]:
+        twist, top, bit = y
+        couple = TWIST * twist + TWISTING * (top - bit)
+        rubs = ARM * (DYNAMIC + (STATIC - DYNAMIC) * np.exp(-FALL * bit))
+        return top - bit, (torque - MUD * top - couple) / TOP, (couple - HOLE * bit - rubs) / BIT
+
+    def rest(t: float, y: Any) -> tuple[float, float, float]:
+        return y[1], (torque - MUD * y[1] - TWIST * y[0] - TWISTING * y[1]) / TOP, 0.0
+
+    rests = lambda t, y: y[2] + (t < 1e-2)  # noqa: E731
+    frees = lambda t, y: ARM * STATIC - TWIST * y[0] - TWISTING * y[1]  # noqa: E731
+    for event in (rests, frees):
+        event.terminal, event.direction = True, -1.0  # type: ignore[attr-defined]
+    how: dict[str, Any] = {"rtol": 1e-11, "atol": 1e-12, "method": "DOP853", "max_step": 0.02}
+    y = np.array(start)
+    for _ in range(turns):
+        run = solve_ivp(slide, (0.0, 8.0), y, events=rests, **how)
+        if not len(run.t_events[0]):
+            return False
+        y = solve_ivp(rest, (0.0, 60.0), [*run.y[:2, -1], 0.0], events=frees, **how).y[:, -1]
+    return True
+
+
+def test_a_drill_string_stops_sticking_at_a_torque_and_begins_again_at_a_smaller_one():
+    """Steady rotation is stable down to a Hopf point, the cycle that sticks goes on up to a torque at which its rest vanishes."""
+    string = DrillString(6900.0)
+    run = ss.solve(string, duration=300.0, start={"x": {"top": 7.0}})
+    branch = ss.continuation(string, parameter="torque", start=6900.0, stop=7400.0, guess=run, points=40, step=0.1)
+    (end,) = [s for s in branch.special if s.kind == "type-border"]
+    assert end.accuracy < 1e-4 and end.orbit.pattern in ("0+", "+")
+    resting = [k for k, orbit in enumerate(branch.orbits) if "0" in orbit.pattern]
+    near = replace(branch, orbits=tuple(branch.orbits[k] for k in resting), values=branch.values[resting])
+    last = near.at(end.value - 0.3)
+    modes, t = np.asarray(last.run.pieces.mode)[:, 0], np.asarray(last.run.pieces.t)
+    at = last.run.at(float(t[np.flatnonzero((modes == 0) & (np.roll(modes, -1) != 0))[0] + 1]))
+    breaks = [at["x"][0] - at["x"][1], at["v"][0], 0.0]
+    assert _sticks_on(end.value - 0.3, breaks, 12) and not _sticks_on(end.value + 0.1, breaks, 40)
+    speed = brentq(_growth, 1.0, 12.0, xtol=1e-13)
+    hopf = (MUD + HOLE) * speed + ARM * (DYNAMIC + (STATIC - DYNAMIC) * np.exp(-FALL * speed))
+    assert hopf == pytest.approx(5727.107158793, abs=1e-8)
+    torques, begun = [hopf - 100.0, hopf + 200.0, end.value - 200.0, end.value + 100.0], {"x": {"top": 10.0}, "v": {"top": 3.0}}
+    diagram = ss.bifurcation(string, parameter="torque", values=torques, settle=80, points=4, start=begun)
+    assert diagram.motion.values.tolist() == [["periodic"] * 3 + ["steady"], ["periodic"] + ["steady"] * 3]
+
+
+# ---- a joint that hunts about its target ----
+def _joint(stiction: float = 1.5, kd: float = 0.1) -> Any:
+    joint = ss.Joint.example()
+    return joint.replace({"friction.f_plus": 0.02 * stiction, "friction.f_minus": 0.02 * stiction, "control.kd": kd})
+
+
+def test_a_joint_hunts_as_long_as_it_takes_more_to_start_than_to_slide():
+    """What is beyond sliding friction sets the size of the cycle and the rest in which the integral gathers it: T = a + b / (F / f - 1)."""
+    branch = ss.continuation(_joint, parameter="stiction", start=1.5, stop=1.3, step=0.2)
+    over, times = 1 / (branch.values - 1.0), np.array([cycle.duration for cycle in branch.orbits])
+    np.testing.assert_allclose(times, np.polyval(np.polyfit(over, times, 1), over), rtol=1e-9)
+    np.testing.assert_allclose([cycle.multipliers[0] for cycle in branch.orbits], branch.orbits[0].multipliers[0], rtol=1e-6)
+    m = ss.motion(ss.solve(_joint(), duration=200.0))
+    assert (m.type, m.period, m.pattern) == ("stick-slip", 1, "0-0+") and m.duration == pytest.approx(times[0], rel=1e-8)
+    diagram = ss.bifurcation(_joint, parameter="stiction", values=[1.499, 1.5], settle=40, points=4, follow=False)
+    assert diagram.motion.values.tolist() == [["periodic"] * 2] and diagram.duration.values[0, 1] == pytest.approx(times[0], rel=1e-6)
+
+
+def test_an_atlas_has_the_border_of_hunting():
+    plane = ss.atlas(_joint, over={"stiction": [1.0, 1.25, 1.5], "kd": [0.1, 0.15]}, settle=40, starts=2, branches=0, refine=0)
+    hunts = np.array([["stick-slip" in region for region in row] for row in plane.map.region.values])
+    assert hunts.tolist() == [[False] * 2, [True] * 2, [True] * 2]
