@@ -1,4 +1,4 @@
-"""Where a machine of several bodies begins: positions, velocities, inner states and memories by the names of its parts."""
+"""Where a machine begins: positions, velocities, inner states and memories, by the names of its parts where they have names."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import Problems, did_you_mean
 from stickslip.basics.fields import number
 from stickslip.basics.variables import unit_of
+from stickslip.models.forces import inner_start
+from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
 
 if TYPE_CHECKING:
@@ -22,8 +24,85 @@ _SAME = 1e-9  # of the largest position or velocity: how well bodies at a prescr
 _EXAMPLE = {name: f"{name}={{name: {value}}}" for name, value in (("x", 0.0), ("v", 0.1), ("z", 0.0), ("memory", 0), ("control", 0.0))}
 
 
+LARGEST_START = 1e9
+#: A position is told from its neighbours by this part of the distance that the drive moves the body in a period, or nearer.
+RESOLVED = 1e-8
+
+
+def start_states(model: Model, labels: Labels, start: Any, problems: Problems) -> Any:
+    """Where the cases of a machine begin, from a start as `solve` takes it; all that is wrong with it is added to the problems.
+
+    A table (cases, 2 coordinates + inner states + memories): coordinates, their velocities, and what laws and controllers hold.
+    """
+    if machine_of(model).names_parts:
+        return start_of_parts(model, labels, start, problems)
+    return _of_one_body(model, labels, start, problems)
+
+
+def _of_one_body(model: Any, labels: Labels, start: Any, problems: Problems) -> Array:
+    """The same of one body on one contact, whose states have no names of parts."""
+    law, cases = law_of(model), labels.cases
+    inner, memories = law.states, law.modes
+    table = np.zeros((cases, 2 + inner + memories))
+    if start is None:
+        if law.has_start:
+            table[:, 2 : 2 + inner] = inner_start(model)
+        return table
+    if not isinstance(start, dict):
+        problems.add(f"start = {start!r}; allowed is a dict; type for example start=dict(v=0.01)")
+        return table
+    columns = {"x": [0], "v": [1], "z": list(range(2, 2 + inner))}
+    columns |= {"memory": list(range(2 + inner, 2 + inner + memories))} if memories else {}
+    for name, value in start.items():
+        if name not in columns:
+            problems.add(f"start has no {name!r}; {did_you_mean(str(name), columns)}")
+            continue
+        several = len(columns[name])
+        try:
+            value = number(value, unit_of(name, model) if name in ("x", "v") else None)
+            values = np.asarray(value, dtype=float)
+            if name == "memory" and np.any(values != np.round(values)):
+                problems.add(f"start[{name!r}] = {value!r}; allowed are whole numbers; type memory={(0,) * memories}")
+            elif several > 1:
+                values = values if values.ndim else np.repeat(values, several)
+                table[:, columns[name]] = np.broadcast_to(values, (*labels.shape, several)).reshape(cases, several)
+            elif columns[name] or np.any(values != 0.0):
+                if not columns[name]:
+                    problems.add(f"start has z = {value!r}, but {law_of(model).name} has no inner state; leave z out")
+                    continue
+                table[:, columns[name][0]] = spread_over_cases(value, labels)
+        except (TypeError, ValueError) as error:
+            allowed = f"a finite number or an array that broadcasts to {(*labels.shape, *([several] if several > 1 else []))}"
+            problems.add(f"start[{name!r}] = {value!r}; allowed is {allowed} ({error})")
+    if inner and "z" not in start and not problems.mistakes:
+        table[:, 2 : 2 + inner] = inner_start(model, table[:, 0] if cases > 1 else float(table[0, 0]))
+    if not np.all(np.isfinite(table)):
+        problems.add(f"start = {start!r} is not finite; allowed are finite numbers")
+    elif not problems.mistakes:
+        _check_sizes(model, labels, table, problems)
+    return table
+
+
+def _check_sizes(model: Any, labels: Labels, table: Any, problems: Problems) -> None:
+    """Note starts that are out of this world, and positions beside which the motion would be lost in rounding."""
+    worst = float(np.max(np.abs(table), initial=0.0))
+    if worst > LARGEST_START:
+        problems.add(f"start has a number of {worst:.6g}; allowed are sizes up to {LARGEST_START:.0e}, in SI units")
+        return
+    time = machine_of(model).time_scale
+    moved = spread_over_cases(model.velocity_scale * (1.0 if time is None else time), labels)
+    lost = (moved > 0) & (np.spacing(np.abs(table[:, 0])) > RESOLVED * moved)
+    if np.any(lost):
+        case = int(np.argmax(lost))
+        most = RESOLVED * moved[case] / np.finfo(float).eps
+        x = f"start x = {table[case, 0]:.6g} m, where neighbouring numbers are {np.spacing(abs(table[case, 0])):.2g} m apart"
+        problems.add(
+            f"{x}: too far for a motion of {moved[case]:.2g} m in a period; allowed are sizes up to {most:.2g} m; measure x from nearby"
+        )
+
+
 def start_of_parts(model: Model, labels: Labels, start: Any, problems: Problems) -> Array:
-    """A table (cases, 2 coordinates + inner states + memories): coordinates, their velocities, and what laws and controllers hold."""
+    """The same of a machine that names its parts."""
     batch = flat(model)
     mechanics, cases = machine_of(batch).mechanics, labels.cases
     laws = mechanics.laws

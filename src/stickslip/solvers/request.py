@@ -14,14 +14,11 @@ from stickslip.basics.fields import leaves, number
 from stickslip.basics.interruption import is_outermost, takes_some_cases
 from stickslip.basics.progress import reporting
 from stickslip.basics.typed_numbers import in_seconds
-from stickslip.basics.variables import VARIABLES, unit_of
+from stickslip.basics.variables import VARIABLES
 from stickslip.engine.kinds import check_functions
-from stickslip.models.forces import inner_start
-from stickslip.models.friction.law_adapter import law_of
-from stickslip.models.machine_adapter import machine_of
 from stickslip.models.model_adapter import adapter_of, is_model
 from stickslip.models.observables import checked_observables
-from stickslip.solvers.initial_states import start_of_parts
+from stickslip.solvers.initial_states import start_states
 from stickslip.solvers.methods import METHODS
 from stickslip.solvers.settings import Request, Settings, check_duration, check_keep, check_rtol, versions
 
@@ -54,7 +51,7 @@ def request(model: Model, settings: Settings) -> Request:
         problems.add(f"settle = {settle!r}; allowed is {allowed}; type for example settle=100")
     _check_thresholds(given, problems)
     _check_names(labels, given, problems)
-    states = _start_states(model, labels, given.start, problems)
+    states = start_states(model, labels, given.start, problems)
     problems.check()
     keep = given.keep or ("summary" if labels.shape else "trajectory")
     observed = checked_observables("solve", given.observe, VARIABLES)
@@ -151,75 +148,6 @@ def _check_names(labels: Labels, given: Settings, problems: Problems) -> None:
         if name not in known:
             arguments = [each.name for each in fields(Settings) if each.name != "options"]
             problems.add(f"{name!r} is not an argument of solve; {did_you_mean(name, [*arguments, *known])}")
-
-
-def _start_states(model: Model, labels: Labels, start: Any, problems: Problems) -> Any:
-    """Start values as a table (cases, 2 + inner states + memories)."""
-    if machine_of(model).names_parts:
-        return start_of_parts(model, labels, start, problems)
-    law, cases = law_of(model), labels.cases
-    inner, memories = law.states, law.modes
-    table = np.zeros((cases, 2 + inner + memories))
-    if start is None:
-        if law.has_start:
-            table[:, 2 : 2 + inner] = inner_start(model)
-        return table
-    if not isinstance(start, dict):
-        problems.add(f"start = {start!r}; allowed is a dict; type for example start=dict(v=0.01)")
-        return table
-    columns = {"x": [0], "v": [1], "z": list(range(2, 2 + inner))}
-    columns |= {"memory": list(range(2 + inner, 2 + inner + memories))} if memories else {}
-    for name, value in start.items():
-        if name not in columns:
-            problems.add(f"start has no {name!r}; {did_you_mean(str(name), columns)}")
-            continue
-        several = len(columns[name])
-        try:
-            value = number(value, unit_of(name, model) if name in ("x", "v") else None)
-            values = np.asarray(value, dtype=float)
-            if name == "memory" and np.any(values != np.round(values)):
-                problems.add(f"start[{name!r}] = {value!r}; allowed are whole numbers; type memory={(0,) * memories}")
-            elif several > 1:
-                values = values if values.ndim else np.repeat(values, several)
-                table[:, columns[name]] = np.broadcast_to(values, (*labels.shape, several)).reshape(cases, several)
-            elif columns[name] or np.any(values != 0.0):
-                if not columns[name]:
-                    problems.add(f"start has z = {value!r}, but {law_of(model).name} has no inner state; leave z out")
-                    continue
-                table[:, columns[name][0]] = spread_over_cases(value, labels)
-        except (TypeError, ValueError) as error:
-            allowed = f"a finite number or an array that broadcasts to {(*labels.shape, *([several] if several > 1 else []))}"
-            problems.add(f"start[{name!r}] = {value!r}; allowed is {allowed} ({error})")
-    if inner and "z" not in start and not problems.mistakes:
-        table[:, 2 : 2 + inner] = inner_start(model, table[:, 0] if cases > 1 else float(table[0, 0]))
-    if not np.all(np.isfinite(table)):
-        problems.add(f"start = {start!r} is not finite; allowed are finite numbers")
-    elif not problems.mistakes:
-        _check_sizes(model, labels, table, problems)
-    return table
-
-
-LARGEST_START = 1e9
-#: A position is told from its neighbours by this part of the distance that the drive moves the body in a period, or nearer.
-RESOLVED = 1e-8
-
-
-def _check_sizes(model: Any, labels: Labels, table: Any, problems: Problems) -> None:
-    """Note starts that are out of this world, and positions beside which the motion would be lost in rounding."""
-    worst = float(np.max(np.abs(table), initial=0.0))
-    if worst > LARGEST_START:
-        problems.add(f"start has a number of {worst:.6g}; allowed are sizes up to {LARGEST_START:.0e}, in SI units")
-        return
-    time = machine_of(model).time_scale
-    moved = spread_over_cases(model.velocity_scale * (1.0 if time is None else time), labels)
-    lost = (moved > 0) & (np.spacing(np.abs(table[:, 0])) > RESOLVED * moved)
-    if np.any(lost):
-        case = int(np.argmax(lost))
-        most = RESOLVED * moved[case] / np.finfo(float).eps
-        x = f"start x = {table[case, 0]:.6g} m, where neighbouring numbers are {np.spacing(abs(table[case, 0])):.2g} m apart"
-        problems.add(
-            f"{x}: too far for a motion of {moved[case]:.2g} m in a period; allowed are sizes up to {most:.2g} m; measure x from nearby"
-        )
 
 
 def provenance(todo: Request, method: str, tolerance: float | None) -> dict[str, Any]:

@@ -28,7 +28,7 @@ from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over, state_at_rest
 from stickslip.models.model_adapter import adapter_of
 from stickslip.solvers.flow_starts import places_of_starts
-from stickslip.solvers.request import LARGEST_START
+from stickslip.solvers.initial_states import LARGEST_START
 
 if TYPE_CHECKING:
     from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates

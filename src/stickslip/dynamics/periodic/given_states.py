@@ -17,8 +17,8 @@ from stickslip.models.state_layout import of_one_contact
 from stickslip.models.switching_flow import knows_mode, unknown_mode
 from stickslip.solvers.flow_requests import starts_of
 from stickslip.solvers.flow_starts import starting_modes
+from stickslip.solvers.initial_states import LARGEST_START
 from stickslip.solvers.plain.composed_flows import mode_of_state, mode_of_strobe_state
-from stickslip.solvers.request import LARGEST_START
 
 
 def states_of(start: Any, model: Model) -> Array:
