@@ -158,10 +158,10 @@ def test_sines_and_constants_keep_the_arcs_closed_and_their_numbers_are_those_of
 def test_the_mean_of_the_closed_formula_is_that_of_the_changed_robot():
     for terms in CLOSED:
         robot = changed(**terms)
-        run = plain_run(robot, 40)
+        run = plain_run(robot, 16)
         assert ss.analysis.periodic_mean_velocity(robot) == pytest.approx(float(np.diff(run.strobe_x)[-1] / robot.period), abs=1e-9)
     opened = changed(ripple=0.4)
-    run = plain_run(opened, 40)
+    run = plain_run(opened, 16)
     assert ss.analysis.periodic_mean_velocity(opened) == pytest.approx(float(np.diff(run.strobe_x)[-1] / opened.period), abs=1e-9)
 
 

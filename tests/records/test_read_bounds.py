@@ -276,7 +276,7 @@ def test_blank_lines_are_left_out_and_counted_in_the_numbers_of_lines():
     assert list(lines) == ["1", "2"] * 3 + [""] and [lines.number(i) for i in range(7)] == [4, 7, 13, 16, 22, 25, 28]
 
 
-SIZE = 1_200_000
+SIZE = 600_000
 PAIRS = [f"{i / 1000:.3f},{i % 89 / 7:.3f}" for i in range(SIZE // 14)]
 NAMED = ['"t [s]":{},"v [m/s]":{}'.format(*pair.split(",")) for pair in PAIRS]
 LARGE = {

@@ -267,8 +267,9 @@ def _remove_foreign(path: Path) -> None:
 
 def _compilation(path: Path) -> list[Path]:
     """Files that Python and Numba keep of a kernel's file."""
-    compiled = path.parent / "__pycache__"  # of a cache with many kernels: no pattern is matched against all of its names
-    return [compiled / name for name in (os.listdir(compiled) if compiled.is_dir() else ()) if name.startswith(path.stem)]
+    compiled, stem = path.parent / "__pycache__", path.stem
+    names = os.listdir(compiled) if compiled.is_dir() else ()  # of all kernels: nothing slower than this is asked of each
+    return [compiled / name for name in names if name.startswith(stem)]
 
 
 def _compiled(path: Path) -> bool:
