@@ -177,6 +177,13 @@ def test_every_bare_channel_has_a_candidate_unit_of_its_own(name, values, unit):
     assert candidate_unit(name, values) == unit
 
 
+def test_laws_of_a_long_record_are_compared_on_some_of_its_samples_and_the_best_is_fitted_to_all(rig, monkeypatch):
+    monkeypatch.setattr("stickslip.inverse.logs.fitting._MOST", 750)
+    result = ss.fit(rig.fit.records[0], starts=2, machine="rig")
+    assert result.law == "stribeck" and result.fit.count == rig.fit.count and result.fits["coulomb"].count < 0.6 * rig.fit.count
+    assert "one sample of 2" in next(p.why for p in result.proposals if p.what == "law")
+
+
 def test_a_proposal_is_frozen(servo):
     with pytest.raises(dataclasses.FrozenInstanceError):
         servo.proposals[0].taken = "something else"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from stickslip.basics.arguments import explains_arguments
@@ -17,6 +17,8 @@ from stickslip.inverse.logs.proposals import Proposal, missing_units, of_channel
 from stickslip.inverse.logs.symmetry import by_sides, symmetry_of
 from stickslip.records import Record, read
 from stickslip.records.candidates import candidate_unit, typed_units, without_unit
+
+_MOST = 6000  # samples on which laws are compared
 
 
 @explains_arguments
@@ -93,7 +95,10 @@ def fit(
     _check_units(records, channels)
     kind, why, others = _kind(records, machine, channels)
     _check_numbers(kind, given)
-    search = _Search(records, given, asymmetric, sensor, starts, progress)
+    if lacking := kind.lacks(given):
+        raise InputError("fit", [f"{lacking}\n{table(channels)}"])
+    step = _step(records) if law is None and kind.over_motion else 1
+    search = _Search([every(rec, step) for rec in records], given, asymmetric, sensor, starts, progress)
     fits, tasks, ranking, best = _laws(kind, search, law)
     questions: list[str] = []
     for other in others:
@@ -105,10 +110,13 @@ def fit(
         elif apart < UNDECIDED:
             how = f"fits better, by ΔAICc {-apart:.3g}" if apart < -UNDECIDED else f"fits as well: ΔAICc {apart:.2g}"
             questions.append(f'machine="{other.name}" ({other.words}) {how}; the {kind.name} has fewer numbers')
+    if step > 1:
+        tasks[best], fits[best] = replace(search, records=records).tried(kind, best)
     proposals = [*channels, *of_numbers(given, kind.assumed(records, given))]
     able = [name for name in kinds_for(records) if name != kind.name]
     proposals.append(Proposal("machine", f"{kind.name}: {kind.words}", why, f"--machine {' or '.join(able) or 'NAME'}"))
-    proposals.append(Proposal("law", best, "typed" if law else f"of {', '.join(fits)}", "--law NAME"))
+    part = f", compared on one sample of {step}" if step > 1 else ""
+    proposals.append(Proposal("law", best, "typed" if law else f"of {', '.join(fits)}{part}", "--law NAME"))
     sides = "a coefficient for each direction" if asymmetric else "one coefficient for both directions"
     proposals.append(Proposal("symmetry", sides, "typed" if asymmetric else "unless asked", "" if asymmetric else "--asymmetric"))
     chosen = fits[best]
@@ -122,6 +130,26 @@ def fit(
     return LogFit(
         kind.name, best, tuple(proposals), fits, tasks, ranking, symmetry, readings, tuple(questions), tuple(_next(chosen, kind)), notes,
     )  # fmt: skip
+
+
+def _step(records: Sequence[Record]) -> int:
+    """Every how many-th sample laws are compared on: on some thousands, which is enough to tell them apart."""
+    return max(-(-max(len(c) for rec in records for c in rec.channels.values() if c.role is not None) // _MOST), 1)
+
+
+def every(rec: Record, step: int) -> Record:
+    """Every so many-th sample of a record.
+
+    Examples
+    --------
+    >>> rec = read({"t [s]": [0.0, 0.1, 0.2, 0.3], "v [m/s]": [1.0, 2.0, 3.0, 4.0]})
+    >>> every(rec, 2)["v"].values.tolist()
+    [1.0, 3.0]
+    """
+    if step == 1:
+        return rec
+    thinned = {name: replace(c, values=c.values[::step], t=c.t[::step]) for name, c in rec.channels.items()}
+    return rec.replace(channels=thinned)
 
 
 def _unique(lines: Any) -> list[Proposal]:

@@ -105,12 +105,13 @@ class LogFit(Face):
     @property
     def verdict(self) -> str:
         """Whether the record supports the law, in a sentence."""
-        if self.ranking is not None:
-            return self.ranking.verdict
         from stickslip.inverse.identification.uncertainty import faults
 
         why = faults(self.fit)
-        return f"{self.law} is not supported: {why[0]}" if why else f"{self.law} is supported: what is left is noise"
+        alone = f"{self.law} is not supported: {why[0]}" if why else f"{self.law} is supported: what is left is noise"
+        if self.ranking is None:
+            return alone
+        return f"{self.ranking.verdict}; on all samples {alone}" if why and self.ranking.supported else self.ranking.verdict
 
     @property
     def in_amperes(self) -> bool:

@@ -65,11 +65,16 @@ class Kind(ABC):
     words: ClassVar[str]
     laws: ClassVar[tuple[str, ...]]
     richer: ClassVar[tuple[str, ...]] = ()  # laws that are tried where none of the others is supported
+    over_motion: ClassVar[bool] = True  # whether forces are fitted over a motion
     takes: ClassVar[dict[str, str]] = {}  # numbers that may be typed, with what they are
 
     @abstractmethod
     def suits(self, rec: Record) -> str:
         """What of a record speaks for this kind; empty where something is missing."""
+
+    def lacks(self, given: dict[str, Any]) -> str:
+        """What has to be typed, in a sentence; empty where nothing is missing."""
+        return ""
 
     def assumed(self, records: Sequence[Record], given: dict[str, Any]) -> dict[str, tuple[str, str]]:
         """Numbers that nobody gave: name -> (value in words, why)."""
@@ -238,6 +243,7 @@ class Shaken(Kind):
     name = "robot"
     words = "a robot shaken by an inner mass: its steady motion over the drive's period"
     laws = ("coulomb", "coulomb-static", "lugre")
+    over_motion = False
     takes: ClassVar[dict[str, str]] = {
         "amplitude": "amplitude of the inner mass [m]", "tilt_deg": "tilt of the track [degrees]", "frequency": "of the drive [Hz]",
         "body_mass": "[kg]", "inner_mass": "[kg]",
@@ -257,19 +263,20 @@ class Shaken(Kind):
         defaults = {name: p.default for name, p in inspect.signature(piezo_rig).parameters.items()}
         return assumed | {name: (f"{defaults[name]:g} kg", "the paper's robot") for name in ("body_mass", "inner_mass")}
 
+    def lacks(self, given: dict[str, Any]) -> str:
+        """What has to be typed, in a sentence; empty where nothing is missing."""
+        missing = [name for name in ("amplitude", "tilt_deg") if name not in given]
+        if not missing:
+            return ""
+        typed = ", ".join(f'"{name}": {"5e-4" if name == "amplitude" else "1.7"}' for name in missing)
+        need = "the motion of a shaken robot determines friction only where its drive is known"
+        return f"{' and '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing: {need}; type for example numbers={{{typed}}}"
+
     def _frequency(self, rec: Record) -> float:
         return float(rec.drive_frequency().value)
 
     def task(self, records: Sequence[Record], law: str, given: dict[str, Any], asymmetric: bool) -> Task:
         """How a law is fitted."""
-        missing = [name for name in ("amplitude", "tilt_deg") if name not in given]
-        if missing:
-            need = "the motion of a shaken robot determines friction only where its drive is known"
-            typed = ", ".join(f'"{name}": {"5e-4" if name == "amplitude" else "1.7"}' for name in missing)
-            raise InputError(
-                "fit",
-                [f"{' and '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing: {need}; type for example numbers={{{typed}}}"],
-            )
         hertz = float(given.get("frequency", self._frequency(records[0])))
         own = {name: float(value) for name, value in given.items() if name != "frequency"} | {"omega": 2 * math.pi * hertz, "law": law}
         return Task(piezo_rig, "ss.presets.piezo_rig", {name: self._free[name] for name in self._of[law]}, own)

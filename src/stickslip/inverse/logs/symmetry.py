@@ -15,6 +15,7 @@ from stickslip.inverse.identification.search import polished_to_end
 if TYPE_CHECKING:
     from stickslip.inverse.identification.fit import Fit
 
+_COARSE = 0.05  # of the mean: a difference that is less well known says little
 _CLEAR = 3.3  # standard errors beyond which a difference is one: once in a thousand, if there is none
 
 
@@ -56,7 +57,9 @@ class Symmetry:
         if not self.determined:
             zero = 'the zero of the sensor looks the same; if the sensor was zeroed, type sensor={"offset": 0.0}'
             return f"{mean}, half difference not determined: {zero}"
-        verdict = "friction differs by direction; type asymmetric=True" if self.asymmetric else "one coefficient for both is enough"
+        coarse = self.error > _COARSE * abs(self.mean)
+        same = "the record hardly tells one direction from the other" if coarse else "one coefficient for both is enough"
+        verdict = "friction differs by direction; type asymmetric=True" if self.asymmetric else same
         return f"{mean}, half difference {rounded(self.half, self.error)} {sure(self.error)}{unit}: {verdict}"
 
 
