@@ -188,7 +188,7 @@ def _written(source: str, key: str) -> Path:
     if not (path.exists() and _text_of(path) == text):
         make_folder(compiled)
         write_whole(path, text, lambda _, error: error)
-    elif not (_compiled(path) or os.access(compiled if compiled.exists() else path.parent, os.W_OK)):
+    elif not (os.access(compiled if compiled.exists() else path.parent, os.W_OK) or _compiled(path)):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(compiled))
     return path
 
@@ -206,7 +206,8 @@ def _is_damaged(path: Path) -> bool:
     Files without a list, of an earlier version or of a process that compiles them now, are taken; if they cannot be read they are
     compiled again, and their list is written once they have been loaded.
     """
-    if any(file.is_dir() for file in _compilation(path)):
+    files = _compilation(path)
+    if any(file.is_dir() for file in files):
         return True
     try:
         noted = json.loads(_list_of(path).read_bytes())
@@ -214,7 +215,7 @@ def _is_damaged(path: Path) -> bool:
         return False
     except ValueError:
         return True
-    return not isinstance(noted, dict) or any(noted.get(name) != code for name, code in _checksums(path).items())
+    return not isinstance(noted, dict) or any(noted.get(name) != code for name, code in _checksums(files).items())
 
 
 def _sealed(source: str, key: str, path: Path) -> types.ModuleType:
@@ -223,7 +224,7 @@ def _sealed(source: str, key: str, path: Path) -> types.ModuleType:
     module = _execute(source, key, path)
     if _stamps(path) != before or not _list_of(path).exists():
         with contextlib.suppress(OSError):
-            write_whole(_list_of(path), json.dumps(_checksums(path), indent=1), lambda _, error: error)
+            write_whole(_list_of(path), json.dumps(_checksums(_compilation(path)), indent=1), lambda _, error: error)
     return module
 
 
@@ -232,17 +233,17 @@ def _list_of(path: Path) -> Path:
     return path.parent / "__pycache__" / f"{path.stem}.sums.json"
 
 
-def _code_files(path: Path) -> list[Path]:
-    return [file for file in _compilation(path) if file.suffix in (".nbi", ".nbc", ".pyc")]
+def _code_files(files: list[Path]) -> list[Path]:
+    return [file for file in files if file.suffix in (".nbi", ".nbc", ".pyc")]
 
 
-def _checksums(path: Path) -> dict[str, str]:
-    """SHA-256 of each compiled file, by its name."""
-    return {file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in _code_files(path)}
+def _checksums(files: list[Path]) -> dict[str, str]:
+    """SHA-256 of each compiled file among these, by its name."""
+    return {file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in _code_files(files)}
 
 
 def _stamps(path: Path) -> dict[str, tuple[int, int]]:
-    stats = {file.name: file.stat() for file in _code_files(path)}
+    stats = {file.name: file.stat() for file in _code_files(_compilation(path))}
     return {name: (stat.st_mtime_ns, stat.st_size) for name, stat in stats.items()}
 
 
