@@ -82,6 +82,12 @@ def test_basins_and_verdict_are_of_the_cycle_and_an_unstable_rest_is_no_attracto
     assert ss.verdict(POL, periods=40, settle=40).kind == "periodic"
 
 
+def test_starts_beyond_the_guards_of_every_mode_are_said():
+    b = ss.basins(POL, x=[0.5, 1.3, 2.0], v=[0.0], settle=20)
+    assert b.notes[-1].startswith("2 of 3 starts lie beyond the guards of every mode, and a reset makes another state of each at t = 0")
+    assert not ss.basins(POL, x=[0.5], v=[0.0], settle=20).notes
+
+
 def test_diagrams_maps_attractors_and_branches_have_the_cycles_of_each_value():
     r = [0.5, 0.6]
     times = [ss.dynamics.flow_orbit(POL.replace(r=each), ss.periodic_orbit(POL).state, 0, duration=4.5).duration for each in r]

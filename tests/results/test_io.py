@@ -181,3 +181,9 @@ def test_matlab_files_hold_the_columns(run, tmp_path):
 
     back = loadmat(run.to_mat(tmp_path / "run.mat"), simplify_cells=True)
     assert np.array_equal(back["v"], run.v) and back["units"]["v"] == "m/s" and back["run"]["status"] == "finished"
+
+
+def test_the_run_of_an_orbit_keeps_its_period_in_a_file(tmp_path):
+    orbit = ss.periodic_orbit(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb"))
+    again = ss.load(orbit.save(tmp_path / "orbit.nc"))
+    assert again.known_period == orbit.run.known_period == 1 and again.mean_velocity == orbit.mean_velocity

@@ -74,6 +74,7 @@ def save(run: Any, path: str | Path) -> Path:
         allowed = f"{', '.join(NETCDF[:-1])}, which `stickslip.load` reads back, or {' or '.join(_OF_COLUMNS)} for the columns alone"
         raise InputError("save", [f"{str(path)!r} ends in {path.suffix!r}; allowed are {allowed}; type for example run.save('run.nc')"])
     attrs = {**attributes(run), **_model_attributes(run.model), "stickslip_format": FORMAT, "stickslip_content": "trajectory"}
+    attrs |= {} if run.known_period is None else {"known_period": run.known_period}
     import xarray as xr
 
     data, kept = trajectory_dataset(run).assign_attrs(attrs), run.pieces.arrays()
@@ -155,6 +156,7 @@ def read(path: str | Path, laws: Sequence[type] = (), machines: Sequence[type] =
             kept = hdf5.plain_attributes(file["pieces"], allowance, size)
             objects = {"pieces": _pieces(file, kept), "model": _model(attrs, laws, machines)}
         kept = {k: attrs[k] for k in ("method", "status", "rtol")} | {k: int(attrs[k]) for k in ("periods", "settle", "samples")}
+        kept |= {"known_period": int(attrs["known_period"])} if "known_period" in attrs else {}
         marks = json.loads(attrs.get("named_events", "[]"))
         named = tuple(Event(float(t), KIND, int(before), int(after), str(name)) for t, name, before, after in marks)
         return {**objects, **kept, "named_events": named, **{k: json.loads(attrs[k]) for k in ("start", "provenance", "counts")}}

@@ -73,6 +73,14 @@ def places_of_starts(flow: SwitchingFlow, states: Array) -> Array:
     return -1.0 - places if flow.contacts else places
 
 
+def changed_at_once(flow: SwitchingFlow, states: Array) -> Array:
+    """Which of many starts (cases, n) of one flow lie within the guards of no mode, so that a reset makes others of them at t = 0."""
+    own, plain = states[:, : states.shape[1] - len(flow.inner)], flow.plain
+    if all(switch.reset is None for switches in plain.switches.values() for switch in switches):
+        return np.zeros(len(own), bool)
+    return np.array([_at_once(plain, _by_state(flow, y), y) is not None for y in own], bool)
+
+
 def _by_state(flow: SwitchingFlow, y: Array) -> Any:
     """The mode of the fields at a state: the first; if a switch would change the state at once, the first within its guards."""
     first, plain = next(iter(flow.fields)), flow.plain

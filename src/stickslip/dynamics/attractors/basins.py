@@ -27,7 +27,7 @@ from stickslip.dynamics.stroboscopic.phase_shift import shifted_robots
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over, state_at_rest
 from stickslip.models.model_adapter import adapter_of
-from stickslip.solvers.flow_starts import places_of_starts
+from stickslip.solvers.flow_starts import changed_at_once, places_of_starts
 from stickslip.solvers.initial_states import LARGEST_START
 
 if TYPE_CHECKING:
@@ -231,12 +231,24 @@ def basins(
     batch = shifted_robots("basins", model, table["phase"]) if "phase" in table else spread_over(model, len(states))
     settled = settled_motions(batch, states, at, settle, limit, rtol, workers=workers, progress=progress, partly=True)
     result = _gathered(model, axes, settled, at, "phase" in table, rtol)
+    result = replace(result, notes=(*result.notes, *_changed(model, states)))
     if settled.ending.interrupted:
         done = np.count_nonzero(settled.kind != NOT_COMPUTED)
         note = settled.ending.note(f"{done} of {len(states)} starts are computed")
         result.map.attrs["note"] = note
         return replace(result, notes=(note, *result.notes))
     return result
+
+
+def _changed(model: Model, states: Array) -> list[str]:
+    """A note where starts of a flow are beyond the guards of all its modes: `solve` refuses them, and a map shows them by what follows."""
+    count = 0 if adapter_of(model).has_bodies else int(changed_at_once(model, states[:, :-1]).sum())  # type: ignore[arg-type]
+    if not count:
+        return []
+    lie = "start lies" if count == 1 else "starts lie"
+    return [
+        f"{count} of {len(states)} {lie} beyond the guards of every mode, and a reset makes another state of each at t = 0, which is run on"
+    ]
 
 
 def grid_of(axes: dict[str, Array]) -> dict[str, Array]:
