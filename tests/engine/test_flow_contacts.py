@@ -200,3 +200,19 @@ def one_contact(field, law=_LAW, contacts=None, second=False):
 
 def started(field, law=_LAW, second=False):
     return ss.solve(one_contact(field, law, second=second), start={"v": 0.0}, duration=1.0)
+
+
+@each_row(
+    "law, said",
+    [
+        (ss.friction.GMS.example(), "remembers whole numbers.*write a Machine of bodies and contacts"),
+        (ss.friction.Karnopp.example(), "asks for the force that would hold it.*write a Machine"),
+        (ss.friction.RateState.example(), "step budget used up.*z_belt may be stiff.*write a Machine"),
+    ],
+    ids=["memory", "applied force", "stiff at rest"],
+)
+def test_laws_that_flows_do_not_follow_say_what_to_write(law, said):
+    with pytest.raises((ss.InputError, ss.SolveError), match=said):
+        belt = ss.machines.FlowContact(slip=lambda t, y: y[1] - 0.01, friction=law, load=1.0)
+        flow = ss.SwitchingFlow(lambda t, y, R: (y[1], -50.0 * y[0] - R.belt), states=("x", "v"), contacts={"belt": belt})
+        ss.solve(flow, duration=1.0)

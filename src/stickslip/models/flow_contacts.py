@@ -30,6 +30,7 @@ NOT_LINEAR = (  #: to be formatted with the name of a contact
     "is not linear in the friction force R.{0}, so that no force which holds the contact follows; allowed are rates such as (F - R.{0})/m, "
     "with factors and conditions that do not depend on friction"
 )
+_OF_PARTS = "for this one write a Machine of bodies and contacts instead of a flow, which takes every law"
 _LOAD = "a number, or a function of (t, y) that returns it"
 
 
@@ -75,9 +76,11 @@ class FlowContact:
         law = adapted(self.friction if is_law(self.friction) else self.friction(*n))
         problems = Problems("FlowContact")
         if law.modes:
-            problems.add(f"friction = {law.name} remembers whole numbers, which no flow has; allowed are laws without them, such as LuGre")
+            mistake = f"friction = {law.name} remembers whole numbers, which no flow has"
+            problems.add(f"{mistake}; allowed are laws without them, such as LuGre; {_OF_PARTS}")
         if law.needs_applied:
-            problems.add(f"friction = {law.name} asks for the force that would hold it; allowed are laws of the velocity and the load")
+            mistake = f"friction = {law.name} asks for the force that would hold it"
+            problems.add(f"{mistake}; allowed are laws of the velocity and the load; {_OF_PARTS}")
         problems.check()
         return law
 

@@ -351,6 +351,9 @@ def _check(flow: SwitchingFlow, result: Any, begin: float, n: int, most: int | N
         raise SolveError(accumulates(t, visited, None if status == Status.CHATTERS else MOST_SWITCHES), status)
     end = result.end[0, 1 : 1 + n].tolist()
     mistake = f"the flow could not be followed in mode {names[last - 1]} beyond t = {t:.9g}: {STATUS[status]}; the state was {end}"
+    if status == Status.BUDGET and flow.inner:
+        stiff = f"{', '.join(flow.inner)} may be stiff, as of rate-and-state friction at rest, and the steps of flows are explicit"
+        mistake += f"; {stiff}: write a Machine of bodies and contacts, which Rosenbrock steps follow"
     raise SolveError(mistake, status)
 
 
