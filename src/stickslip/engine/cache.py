@@ -139,24 +139,26 @@ def _digest(source: str) -> str:
 def _import(source: str, key: str, label: str) -> types.ModuleType:
     try:
         path = _written(source, key)
-        if _is_damaged(path):
+        files = _compilation(path)
+        if _is_damaged(path, files):
             _say(f"the compiled kernel {path.name} is damaged; compiling {label} again …")
-            _remove(_compilation(path))
-        elif not _compiled(path):
+            _remove(files)
+            files = []
+        elif not _compiled(files):
             _say(f"compiling {label}, once …")
     except OSError as error:  # nothing can be written, or something else stands where a file should be
         return _in_memory(source, key, label, error)
     try:
-        return _sealed(source, key, path)
+        return _sealed(source, key, path, files)
     except OSError as error:  # Numba could not write what it has compiled, such as on a full disk
         return _in_memory(source, key, label, error)
     except Exception:
-        if not _compiled(path):  # not a bad cache: the source itself fails
+        if not _compiled(_compilation(path)):  # not a bad cache: the source itself fails
             raise
     _say(f"the cached kernel {path.name} cannot be read; compiling {label} again …")
     try:
         _remove(_compilation(path))
-        return _sealed(source, key, path)
+        return _sealed(source, key, path, [])
     except OSError as error:
         return _in_memory(source, key, label, error)
 
@@ -188,7 +190,7 @@ def _written(source: str, key: str) -> Path:
     if not (path.exists() and _text_of(path) == text):
         make_folder(compiled)
         write_whole(path, text, lambda _, error: error)
-    elif not (os.access(compiled if compiled.exists() else path.parent, os.W_OK) or _compiled(path)):
+    elif not (os.access(compiled if compiled.exists() else path.parent, os.W_OK) or _compiled(_compilation(path))):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(compiled))
     return path
 
@@ -200,13 +202,12 @@ def _text_of(path: Path) -> str | None:
         return None
 
 
-def _is_damaged(path: Path) -> bool:
-    """Whether the compiled files of a kernel are others than those whose checksums were noted when they were compiled.
+def _is_damaged(path: Path, files: list[Path]) -> bool:
+    """Whether the compiled files of a kernel, all that there are, are others than those whose checksums were noted when they were compiled.
 
     Files without a list, of an earlier version or of a process that compiles them now, are taken; if they cannot be read they are
     compiled again, and their list is written once they have been loaded.
     """
-    files = _compilation(path)
     if any(file.is_dir() for file in files):
         return True
     try:
@@ -218,13 +219,14 @@ def _is_damaged(path: Path) -> bool:
     return not isinstance(noted, dict) or any(noted.get(name) != code for name, code in _checksums(files).items())
 
 
-def _sealed(source: str, key: str, path: Path) -> types.ModuleType:
+def _sealed(source: str, key: str, path: Path, files: list[Path]) -> types.ModuleType:
     """The module, loaded from its files or compiled; the checksums of files that are new are noted."""
-    before = _stamps(path)
+    before = _stamps(files)
     module = _execute(source, key, path)
-    if _stamps(path) != before or not _list_of(path).exists():
+    files = _compilation(path)
+    if _stamps(files) != before or not _list_of(path).exists():
         with contextlib.suppress(OSError):
-            write_whole(_list_of(path), json.dumps(_checksums(_compilation(path)), indent=1), lambda _, error: error)
+            write_whole(_list_of(path), json.dumps(_checksums(files), indent=1), lambda _, error: error)
     return module
 
 
@@ -242,8 +244,8 @@ def _checksums(files: list[Path]) -> dict[str, str]:
     return {file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in _code_files(files)}
 
 
-def _stamps(path: Path) -> dict[str, tuple[int, int]]:
-    stats = {file.name: file.stat() for file in _code_files(_compilation(path))}
+def _stamps(files: list[Path]) -> dict[str, tuple[int, int]]:
+    stats = {file.name: file.stat() for file in _code_files(files)}
     return {name: (stat.st_mtime_ns, stat.st_size) for name, stat in stats.items()}
 
 
@@ -273,8 +275,8 @@ def _compilation(path: Path) -> list[Path]:
     return [compiled / name for name in names if name.startswith(stem)]
 
 
-def _compiled(path: Path) -> bool:
-    return any(file.suffix == ".nbi" for file in _compilation(path))
+def _compiled(files: list[Path]) -> bool:
+    return any(file.suffix == ".nbi" for file in files)
 
 
 def _execute(source: str, key: str, path: Path | None) -> types.ModuleType:
