@@ -267,6 +267,11 @@ class Fit(Face):
         noise = (float("nan"),) * 2 if part == "total" else by(uncertainty.calibrated(self, name), name, level, **options)
         return {"total": whole, "statistical": noise, "systematic": uncertainty.in_parts(self.values[name], whole, noise)}[part]
 
+    @cached_property
+    def intervals(self) -> dict[str, tuple[float, float]]:
+        """95 % intervals of all parameters, as reports show them."""
+        return {name: self.interval(name) for name in self.names}
+
     determined = cached_property(formulas.combinations)
     open = cached_property(uncertainty.open_parameters)
     bent = cached_property(uncertainty.bent_parameters)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 def parameter_rows(fit: Fit) -> list[dict[str, str]]:
     """For each free parameter its name, value, standard error, unit and the ends of its 95 % interval, as text."""
-    ends = {name: (fit.errors[name], *fit.interval(name)) for name in fit.values}
+    ends = {name: (fit.errors[name], *fit.intervals[name]) for name in fit.values}
     return [
         {"name": name, "unit": unit_of_parameter(fit, name), "value": rounded(value, error), "error": error_text(fit, name),
          "low": rounded(low, error), "high": rounded(high, error)}

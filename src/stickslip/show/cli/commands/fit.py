@@ -98,9 +98,8 @@ def _numbers(made: Any, written: list[str]) -> dict[str, Any]:
 
     from stickslip.show.cli.commands.identify import numbers_of
 
-    intervals = {name: made.fit.interval(name) for name in made.fit.values}
     return {
         "machine": made.machine, "law_name": made.law, "proposals": [asdict(each) for each in made.proposals], "verdict": made.verdict,
         "supported": made.supported, "symmetry": [str(each) for each in made.symmetry], "open": list(made.questions), "next": list(made.next),
-        "python": made.python, "written": written, **numbers_of(made.fit, intervals, 0.95, "auto"),
+        "python": made.python, "written": written, **numbers_of(made.fit, made.fit.intervals, 0.95, "auto"),
     }  # fmt: skip
