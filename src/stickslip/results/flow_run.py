@@ -23,7 +23,7 @@ from stickslip.results.storage import save_table
 from stickslip.results.trajectory import APERIODIC, Trajectory
 
 NO_BODIES = (
-    "the run is that of a flow, which has states of its own and no bodies; allowed is a run of a machine; type run[name] for a state, "
+    "allowed is a run of a machine, and this one is that of a flow, which has states of its own and no bodies; type run[name] for a state, "
     "run.strobe for its strobe points"
 )
 _OF_A_CONTACT = ("slip", "load", "friction_force")  # columns of files, with the contact's name behind
