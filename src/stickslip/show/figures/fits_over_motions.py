@@ -49,8 +49,8 @@ def _law_and_load(fit: Fit, record: int) -> tuple[Any, float, float]:
 def friction_curve(fit: Fit, record: int = 0, ax: Ax = None) -> Any:
     """Friction against velocity: the measured cloud and the fitted law.
 
-    A dot is the friction that a sample shows: the law at its velocity, and what is left of the sample; inertia, gravity and the effects
-    of the sensor are those of the fit.
+    A dot is the friction that a sample shows. Of a force it is the sample less zero, drift, gain and inertia of the sensor, as they were
+    fitted; of a torque or a current the law at its velocity, and what is left of the sample by the inertia and gravity of the fit.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def friction_curve(fit: Fit, record: int = 0, ax: Ax = None) -> Any:
     _, _, v = target.moved
     grid = _velocities(v)
     steady = np.array([Setup(law, load, 1.0).steady_force(float(each)) for each in grid])
-    shown = np.interp(v, grid, steady) - residual_values(fit, record) * per
+    shown = _forces(fit, record) if target.kind == "force" else np.interp(v, grid, steady) - residual_values(fit, record) * per
     shown[v == 0] = np.nan  # at rest friction is what is applied
     (f, letter), (g, speed) = prefix(steady), prefix(v)
     unit = {"current": "A"}.get(target.kind, unit_of_values(target)) if per == 1.0 else in_units_of(fit.model(record), "N")
@@ -92,6 +92,15 @@ def friction_curve(fit: Fit, record: int = 0, ax: Ax = None) -> Any:
     ax.set(xlabel=f"velocity ({speed}{in_units_of(fit.model(record), 'm/s')})", ylabel=f"{what} ({letter}{unit})")
     legend_above(ax, ncols=2, markerscale=3)
     return ax
+
+
+def _forces(fit: Fit, record: int) -> Any:
+    """Measured forces of a record without the effects of the sensor."""
+    target = fit.problem.targets[record]
+    own = {name.partition("[")[0]: value for name, (value, _) in fit.sensor.items() if "[" not in name or name.endswith(f"[{record}]")}
+    measured = fit.predicted[record] - residual_values(fit, record) - own.get("offset", 0.0) - own.get("drift", 0.0) * target.time
+    mass = own.get("inertia", 0.0)
+    return (measured - (mass * target.acceleration if mass else 0.0)) / own.get("gain", 1.0)
 
 
 def _velocities(v: Array) -> Any:
