@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.batch import Labels
+from stickslip.basics.batch import Labels, cases_of
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import floats, number
@@ -53,8 +53,9 @@ def _flow_state(start: Any, flow: Any, at: Coordinates) -> Array:
         mode, start = mode_of_strobe_state(flow, np.asarray(start, float)), start[:-1]
     state = starts_of(flow, start, Labels(()), problems)[0]
     problems.check()
-    mode = starting_modes(flow, state[None, :], one=True)[0] if mode is None else mode
-    return np.append(state, list(flow.modes).index(mode_of_state(flow, state, mode=mode)))
+    first = cases_of(flow, slice(1))[0]
+    mode = starting_modes(first, state[None, :], one=True)[0] if mode is None else mode
+    return np.append(state, list(flow.modes).index(mode_of_state(first, state, mode=mode)))
 
 
 def _one_state(start: Any, at: Coordinates, rest: Array) -> Array:
