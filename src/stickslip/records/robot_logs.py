@@ -14,6 +14,7 @@ import numpy as np
 from stickslip.basics.errors import InputError
 from stickslip.basics.units import unit_of_heading
 from stickslip.basics.unpacking import Allowance
+from stickslip.basics.whole_files import unwritable, write_whole
 from stickslip.records.extras import damage_reported, library
 from stickslip.records.raw import Raw, RawColumn
 
@@ -141,8 +142,7 @@ def parse_bag(data: bytes, allowance: Allowance) -> Raw:
     """The messages of a bag of ROS 1 (.bag)."""
     highlevel, topics = _library("rosbags.highlevel", "ROS bag"), _Topics(allowance)
     with damage_reported("ROS bag"), tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "log.bag"
-        path.write_bytes(data)
+        path = write_whole(Path(folder) / "log.bag", data, unwritable("read"))
         with highlevel.AnyReader([path]) as reader:
             for connection, time, message in reader.messages():
                 topics.add(connection.topic, 1e-9 * time, reader.deserialize(message, connection.msgtype))

@@ -13,6 +13,7 @@ from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.notebook_display import Face, Text, drawn_on
 from stickslip.basics.presenting import presenter
+from stickslip.basics.whole_files import unwritable, write_whole
 from stickslip.inverse.logs.proposals import HEAD, Proposal, table
 
 if TYPE_CHECKING:
@@ -133,7 +134,7 @@ class LogFit(Face):
         if path is not None:
             page = presenter("report", "fit")(path, [self.fit], ranking=self.ranking)
             if self.in_amperes:
-                page.write_text(over_motor_constant(page.read_text(encoding="utf-8")), encoding="utf-8")
+                write_whole(page, over_motor_constant(page.read_text(encoding="utf-8")), unwritable("report"))
             return page
         parts = [table(self.proposals), *(f"reading: {note}" for note in self.notes), "", self.fit.report(), f"verdict: {self.verdict}"]
         parts += [f"symmetry: {each}" for each in self.symmetry]
@@ -169,8 +170,7 @@ class LogFit(Face):
             raise InputError("fit", [f"the folder {str(where)!r} cannot be made: {error.strerror}; give another path"]) from None
         written = [*presenter("report", "log_figures")(where, self.fit), Path(self.report(where / "report.html"))]
         for name, text in (("report.txt", f"{self.report()}\n"), ("fit.py", self.python)):
-            (where / name).write_text(text, encoding="utf-8")
-            written.append(where / name)
+            written.append(write_whole(where / name, text, unwritable("fit")))
         return written
 
     def _title(self) -> str:
