@@ -360,15 +360,16 @@ def belt(mode_after=None):
     )
 
 
-def test_a_flow_that_begins_beyond_a_guard_whose_reset_changes_its_state_is_refused():
-    """In the first mode the guard is -1, and the reset would carry the block with the belt at once: the state is in the other mode."""
+def test_a_flow_begins_in_the_mode_of_its_state_and_another_mode_is_refused():
+    """The guard of the first mode is -1 at the start: its reset would carry the block with the belt at once."""
+    start = {"x": 0.5, "v": 0.0}
+    run = ss.solve(belt(), duration=1.0, start=start)
+    assert run.y[0].tolist() == [0.5, 0.0] and run.y[-1, 0] == pytest.approx(0.8 * math.cos(1.0) - 0.3, rel=1e-12)
+    assert ss.solve(belt(), duration=1.0, start=start, mode="forth").y[-1, 0] == run.y[-1, 0]
     with pytest.raises(ss.InputError, match=r"beyond the guard of switches\['back'\]\[0\], which is -1.* type mode='forth'"):
-        ss.solve(belt(), duration=1.0, start={"x": 0.5, "v": 0.0}, mode="back")
-    run = ss.solve(belt(), duration=1.0, start={"x": 0.5, "v": 0.0})
-    assert run.mode[0] == "forth" and run.y[0].tolist() == [0.5, 0.0]
-    assert run.y[-1, 0] == pytest.approx(0.8 * math.cos(1.0) - 0.3, rel=1e-12)
-    swept = ss.sweep(belt(), mu=[0.3, 0.4], duration=1.0, start={"x": 0.5, "v": 0.0})
-    assert swept.end_x[0] == pytest.approx(run.y[-1, 0], rel=1e-12)
+        ss.solve(belt(), duration=1.0, start=start, mode="back")
+    swept = ss.sweep(belt(), mu=[0.3, 0.4], duration=1.0, start=start)
+    assert swept["end_x"].values == pytest.approx([(0.5 + mu) * math.cos(1.0) - mu for mu in (0.3, 0.4)], rel=1e-12)
 
 
 # equations that solvers do not read ----------------------------------------------------------------------------------
