@@ -88,7 +88,7 @@ def told(segments, period=1, net=1.0, dwell=0.03, **more):
     return {k: v[0] for k, v in type_of([len(time)], [time], [code], [period], [np.inf], [net], dwell, **more).items()}
 
 
-@pytest.mark.parametrize("cut", range(4))
+@each_row("cut", range(4))
 def test_the_pattern_does_not_depend_on_where_the_period_is_cut(cut):
     whole = [(0.4, 2), (0.2, 0), (0.25, -2), (0.15, 0)]
     turned = whole[cut:] + whole[:cut]
@@ -123,7 +123,7 @@ def test_the_rules_of_dwell(segments, kind, pattern):
     assert (found["motion_type"], found["pattern"]) == (kind, pattern)
 
 
-@pytest.mark.parametrize("elastic", [0.025, 0.035])
+@each_row("elastic", [0.025, 0.035])
 def test_the_margin_of_a_rest_that_nearly_counts_is_how_far_it_lasts_from_dwell(elastic):
     assert told([(0.5, 2), (elastic, 1), (0.5 - elastic, -2)])["margin"] == pytest.approx(0.005)
 
@@ -212,7 +212,7 @@ def strobes(values, rtol=1e-6, settle=0):
     return run
 
 
-@pytest.mark.parametrize("p", [1, 2, 3, 8, 16])
+@each_row("p", [1, 2, 3, 8, 16])
 def test_a_repeating_strobe_point_has_its_period(p):
     noise = 1e-6 * np.random.default_rng(1).standard_normal(101)
     assert period_number(strobes(np.sin(2.4 * (np.arange(101) % p)) + noise)) == p
@@ -224,7 +224,7 @@ def test_no_period_is_found_where_there_is_none():
     assert period_number(strobes(1e-5 * k)) is None  # drifts
 
 
-@pytest.mark.parametrize(("ratio", "found"), [(0.5, 1), (0.99, None), (0.999, None), (0.9999, None)])
+@each_row(("ratio", "found"), [(0.5, 1), (0.99, None), (0.999, None), (0.9999, None)])
 def test_a_slow_transient_is_not_a_period(ratio, found):
     """The steps of these transients are below the tolerance at the end or everywhere; what is left of them is not."""
     assert period_number(strobes(1e-2 * ratio ** np.arange(101))) == found
@@ -234,7 +234,7 @@ def test_a_slow_period_doubling_transient_is_not_period_two():
     assert period_number(strobes(1e-2 * (-0.995) ** np.arange(101))) is None
 
 
-@pytest.mark.parametrize("method", ["exact", "rk4", "radau", "lsoda", "bdf", "dop853"])
+@each_row("method", ["exact", "rk4", "radau", "lsoda", "bdf", "dop853"])
 def test_a_curve_and_a_summary_tell_one_period(method):
     """Arcs that an integrator found are as near as its tolerance, whatever the law."""
     robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb")
@@ -242,7 +242,7 @@ def test_a_curve_and_a_summary_tell_one_period(method):
     assert ss.motion(ss.solve(robot, **asked)).period == ss.solve(robot, keep="summary", **asked).period == 1
 
 
-@pytest.mark.parametrize("steps", [200, 500, 1000, 2000])
+@each_row("steps", [200, 500, 1000, 2000])
 def test_a_curve_and_a_summary_tell_one_period_of_points_that_jitter(steps):
     robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb")
     asked = dict(periods=60, method="rk4", steps=steps)
@@ -293,7 +293,7 @@ def test_bad_thresholds_are_all_reported(known):
 
 
 # ---- with the package's own solvers ----
-@pytest.mark.parametrize("law", ["coulomb", "coulomb-static", "lugre"])
+@each_row("law", ["coulomb", "coulomb-static", "lugre"])
 def test_a_batch_and_single_runs_say_the_same(law):
     """Two ways from the same segments: observers in the kernel, and the dense output of a run."""
     amplitudes = np.linspace(2.5e-4, 9e-4, 14)

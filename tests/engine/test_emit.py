@@ -141,7 +141,7 @@ def same(a, b):
     return np.float64(a).tobytes() == np.float64(b).tobytes() or (math.isnan(a) and math.isnan(b))
 
 
-@pytest.mark.parametrize(("lanes", "group", "width"), [(1, 1, 1), (4, 4, 4), (8, 4, 4), (16, 16, 8)])
+@each_row(("lanes", "group", "width"), [(1, 1, 1), (4, 4, 4), (8, 4, 4), (16, 16, 8)])
 def test_every_operation_is_what_python_computes(lanes, group, width):
     """To the bit: each is rounded once by both."""
     lines = LINES + BRANCH

@@ -341,7 +341,8 @@ def test_changes_of_records_are_checked_again():
 
 
 def test_lints_are_notes_and_no_errors():
-    assert "sigma1 = 100" in rig().notes[0] and rig(law="coulomb").notes == []
+    steep = replace(rig(law="coulomb", incline="gravity"), track=ss.Incline(math.radians(12.0)))
+    assert "slides by itself" in steep.notes[0] and rig(law="coulomb").notes == rig().notes == []
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ def rig(noise=0.0, law="coulomb", amplitude=5e-4, tilt_deg=1.7, **more):
     return ss.virtual_rig(ss.presets.piezo_rig(tilt_deg=tilt_deg, amplitude=amplitude, law=law), noise=noise, **more)
 
 
-@pytest.mark.parametrize("level", [1e-6, 1e-3])
+@each_row("level", [1e-6, 1e-3])
 def test_the_drive_frequency_is_refined_to_its_own_standard_error(level):
     found = [rig(level, seed=seed, phase=0.1 * seed).drive_frequency() for seed in range(20)]
     off = np.array([(f.value - 32.7) / f.error for f in found])
@@ -32,9 +32,7 @@ def test_the_drive_frequency_survives_gaps_and_uneven_sampling():
     assert part.drive_frequency().value == pytest.approx(32.7, rel=1e-4)
 
 
-@pytest.mark.parametrize(
-    ("tilt_deg", "amplitude", "value"), [(1.7, 5.525e-4, 0.002014682), (4.7, 4.564e-4, 0.004000482), (5.7, 1.487e-3, 0.028688951)]
-)
+@each_row(("tilt_deg", "amplitude", "value"), [(1.7, 5.525e-4, 0.002014682), (4.7, 4.564e-4, 0.004000482), (5.7, 1.487e-3, 0.028688951)])
 def test_the_mean_velocity_of_a_record_is_that_of_the_motion(tilt_deg, amplitude, value):
     """P1, P3 and P4, exact Coulomb; 100 samples per period see corners to about 1e-4 of the range."""
     rec = rig(0.0, amplitude=amplitude, tilt_deg=tilt_deg, phase=0.37, settle=300)
@@ -119,7 +117,7 @@ def test_the_spectrum_shows_amplitudes():
     assert lines[np.argmax(amplitude)] == pytest.approx(64, rel=1e-3) and amplitude.max() == pytest.approx(3e-3, rel=1e-2)
 
 
-@pytest.mark.parametrize("level", [1e-5, 1e-3])
+@each_row("level", [1e-5, 1e-3])
 def test_the_noise_of_a_record_is_found(level):
     rec = rig(level, seed=4, samples=400, periods=25)
     assert noise(rec["velocity"].values) == pytest.approx(level, rel=0.1)  # 10 000 samples know it to 2 %; the signal adds its bends
@@ -152,7 +150,7 @@ def test_a_missing_channel_is_an_error_that_says_what_to_type():
 
 
 @needs_data
-@pytest.mark.parametrize("which", CYLINDER)
+@each_row("which", CYLINDER)
 def test_friction_of_the_cylinder_is_the_published_one(which):
     name, force = CYLINDER[which]
     found = loop_friction(ss.read(path(name), columns=CYLINDER_COLUMNS), between=(8e-3, 28e-3), least_speed=1e-3, start=8.0)
@@ -176,7 +174,7 @@ def test_a_callers_array_stays_the_callers():
     assert made["x"].t is rec["v"].t  # what nobody can write into is shared
 
 
-@pytest.mark.parametrize("kind", ["noise", "step", "chirp", "one period"])
+@each_row("kind", ["noise", "step", "chirp", "one period"])
 def test_no_drive_is_invented_where_nothing_repeats(kind, tmp_path, capsys):
     from stickslip.show.cli import main
 

@@ -47,9 +47,21 @@ def run_of(machine, start, method="auto"):
     return ss.solve(machine, **span, start=start, method=method, **({} if is_flow(machine) else {"rtol": RTOL}))
 
 
+#: Starts of flows, which without one begin where nothing moves.
+STARTS = {
+    "a SwitchingFlow": {"x": 1.0, "v": 0.0},
+    "a flow without a period": {"x": 0.5, "v": 0.0},
+    "a Filippov flow": {"prey": 0.8, "predator": 0.3},
+}
+
+
+def states_of(machine):
+    return machine.states if is_flow(machine) else ("x", "v")
+
+
 def missed(run, sim, begun=0.0):
     """The largest difference of a state from a run that began so late, in the size of its column."""
-    names = ("x", "v")
+    names = states_of(sim.machine)
     at, state = run.at(sim.t - begun), sim.state
     sizes = {name: np.max(abs(run[name] if is_flow(sim.machine) else getattr(run, name))) for name in names}
     return max(float(np.max(abs(at[name] - state[name]))) / sizes[name] for name in names)
@@ -57,7 +69,7 @@ def missed(run, sim, begun=0.0):
 
 @each_row("name", list(every_machine))
 def test_steps_of_any_length_are_the_run_of_solve_with_all_its_events(name):
-    machine, start = every_machine[name][0], {"x": 1.0, "v": 0.0} if name == "a SwitchingFlow" else None
+    machine, start = every_machine[name][0], STARTS.get(name)
     run, sim = run_of(machine, start), ss.simulation(machine, start, **({} if is_flow(machine) else {"rtol": RTOL}))
     worst, events = 0.0, []
     for instant in cuts(length_of(machine), 25, 7):
@@ -81,14 +93,23 @@ def jump_of(name, machine):
     if name in FORCED:
         force, number = next(iter(force_names(machine).items()))
         return {force: 0.05}, pushed(machine).replace({number: 0.05})
-    named = {"F": 0.1, "friction.mu_plus": 0.17, "link.stiffness": 900.0, "along.amplitude": 4.1e-4, "control.kp": 1.5}
+    named = {
+        "F": 0.1,
+        "friction.mu_plus": 0.17,
+        "link.stiffness": 900.0,
+        "along.amplitude": 4.1e-4,
+        "control.kp": 1.5,
+        "gap": 1.15,
+        "effort": 0.4,
+        "k": 4.4,
+    }
     jump = next({number: value} for number, value in named.items() if number in dict(leaves(machine)) | getattr(machine, "numbers", {}))
     return jump, machine.replace(jump)
 
 
 @each_row("name", [name for name in every_machine if name != "PulledMass"])  # which is never again where its time begins
 def test_after_a_jump_of_an_input_it_goes_on_as_solve_does_from_there(name):
-    machine, start = every_machine[name][0], {"x": 1.0, "v": 0.0} if name == "a SwitchingFlow" else None
+    machine, start = every_machine[name][0], STARTS.get(name)
     (jump, after), end = jump_of(name, machine), length_of(machine)
     sim = ss.simulation(machine, start, **({} if is_flow(machine) else {"rtol": RTOL}))
     for instant in cuts(end, 9, 3):
@@ -96,7 +117,7 @@ def test_after_a_jump_of_an_input_it_goes_on_as_solve_does_from_there(name):
     begun, worst = sim.t, 0.0
     if is_flow(machine):
         state = sim.state
-        leg = follow_flow(after, np.array([state["x"], state["v"]]), state["mode"], end, begin=sim.t, growth=False)
+        leg = follow_flow(after, np.array([state[each] for each in machine.states]), state["mode"], end, begin=sim.t, growth=False)
     else:
         run = run_of(after, sim.start)
     for instant in cuts(end, 12, 4):
@@ -104,7 +125,7 @@ def test_after_a_jump_of_an_input_it_goes_on_as_solve_does_from_there(name):
         if not is_flow(machine):
             worst = max(worst, missed(run, sim, begun))
     if is_flow(machine):
-        worst = max(abs(np.array([sim.state["x"], sim.state["v"]]) - leg.state))
+        worst = max(abs(np.array([sim.state[each] for each in machine.states]) - leg.state))
     assert worst < (DYNAMIC if name == "Chain, LuGre" else EXACT)
     assert sim.inputs[next(iter(jump))] == next(iter(jump.values()))
 
@@ -222,7 +243,7 @@ def test_a_file_that_is_none_or_damaged_or_of_another_machine_is_refused(tmp_pat
 # ---- what happens on the way ----
 @each_row("name", ["PulledMass", "MovingTrack", "a machine without contacts", "a SwitchingFlow"])
 def test_a_step_that_stops_at_events_stops_at_each_of_them(name):
-    machine, start = every_machine[name][0], {"x": 1.0, "v": 0.0} if name == "a SwitchingFlow" else None
+    machine, start = every_machine[name][0], STARTS.get(name)
     run, sim, end = run_of(machine, start), ss.simulation(machine, start), length_of(machine)
     met = []
     while sim.t < end * (1 - 1e-12):

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from fnmatch import fnmatchcase
+from typing import Any
 
 #: Ends of the names of a number that is one for each direction.
 SIDES = ("_plus", "_minus")
@@ -45,6 +46,25 @@ def _fits(wanted: list[str], own: list[str]) -> bool:
     if len(wanted) == len(own) == 1 and own[0] in (wanted[0] + side for side in SIDES):
         return True
     return own[0].isdigit() and _fits(wanted, own[1:])
+
+
+def unequal_sides(typed: str, meant: Iterable[str], numbers: Mapping[str, Any]) -> str:
+    """What is wrong with one name for the numbers of both directions of a record in which they differ; empty if nothing is.
+
+    Examples
+    --------
+    >>> unequal_sides("mu", ["mu_plus", "mu_minus"], {"mu_plus": 0.15, "mu_minus": 0.21})
+    "'mu' stands for mu_plus = 0.15 and mu_minus = 0.21, which differ; type one of the two"
+    >>> unequal_sides("mu", ["mu_plus", "mu_minus"], {"mu_plus": 0.2, "mu_minus": 0.2})
+    ''
+    """
+    names = list(meant)
+    if len(names) != 2 or not all(name.endswith(side) for name, side in zip(names, SIDES, strict=True)):
+        return ""
+    if numbers[names[0]] == numbers[names[1]]:
+        return ""
+    shown = (f"{name} = {numbers[name]}" if numbers[name] is None else f"{name} = {numbers[name]:g}" for name in names)
+    return f"{typed!r} stands for {' and '.join(shown)}, which differ; type one of the two"
 
 
 def pairs_in(names: Iterable[str]) -> dict[str, tuple[str, str]]:

@@ -225,7 +225,7 @@ def test_derivatives_are_columns_of_sweeps():
     with pytest.raises(ss.InputError, match="column of sweeps"):
         ss.solve(ss.presets.piezo_rig(amplitude=[5e-4, 6e-4], **rig), observe=slopes | more)
     for bad, told in (
-        ({"observe": {"a": ss.optimisation.derivative("mean_velocity", "friction.mu")}}, "is not a number"),
+        ({"observe": {"a": ss.optimisation.derivative("mean_velocity", "friction.mu")}}, "which differ; type one"),
         ({"observe": {"a": ss.optimisation.derivative("stick_fraction", "friction.mu_plus")}}, "not derived over a grid"),
         ({"observe": slopes, "start": {"v": 0.1}}, "from rest"),
     ):
@@ -333,7 +333,7 @@ def test_a_uniform_number_takes_the_result_from_end_to_end():
 
 def test_bad_input_of_spreads_is_told():
     for given, told in (
-        ({"friction.mu": ("normal", 0.15, 0.01)}, "is not a number"),
+        ({"friction.mu": ("normal", 0.15, 0.01)}, "which differ; type one"),
         ({"friction.mu_plus": ("normal", 0.15, -0.01)}, "allowed is"),
         ({"friction.mu_plus": (0.14, 0.16)}, "allowed is"),
         ({}, "allowed is a dict"),

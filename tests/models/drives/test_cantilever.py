@@ -64,7 +64,7 @@ def by_conditions(b, ratio, end):
 # eigenvalues ------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("ratio", KNOWN)
+@each_row("ratio", KNOWN)
 def test_the_first_eigenvalues_are_those_of_the_books(ratio):
     assert cantilever_eigenvalues(ratio, 3) == pytest.approx(KNOWN[ratio], abs=1e-9)  # the digits printed there
 
@@ -78,7 +78,7 @@ def test_fifty_eigenvalues_are_right_to_the_last_digit(ratio):
             assert low * high < 0, b
 
 
-@pytest.mark.parametrize("ratio", [0.0, 0.01, 0.5, 1.0, 7.0, 300.0])
+@each_row("ratio", [0.0, 0.01, 0.5, 1.0, 7.0, 300.0])
 def test_none_is_missed_and_none_is_twice(ratio):
     b = cantilever_eigenvalues(ratio, 40)
     fine = np.linspace(1e-3, 0.5 * (b[-1] + cantilever_eigenvalues(ratio, 41)[-1]), 400_001)
@@ -94,7 +94,7 @@ def test_a_tip_mass_lowers_every_eigenvalue_but_not_below_that_of_a_pinned_tip()
     assert np.all(np.diff(loaded, axis=0) < 0) and np.all(loaded < free) and np.all(loaded > pinned - 1e-6)
 
 
-@pytest.mark.parametrize("ratio", [0.0, 1.2])
+@each_row("ratio", [0.0, 1.2])
 def test_finite_elements_find_the_same_frequencies(ratio):
     from scipy.linalg import eigh
 
@@ -129,7 +129,7 @@ def test_all_bad_arguments_are_named_at_once():
 # shapes and masses ------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("ratio", [0.0, 1.2, 50.0])
+@each_row("ratio", [0.0, 1.2, 50.0])
 def test_shapes_satisfy_the_boundary_conditions_and_the_equation(ratio):
     b = cantilever_eigenvalues(ratio, 12)
     zero = 1e-12  # of b^derivative
@@ -140,14 +140,14 @@ def test_shapes_satisfy_the_boundary_conditions_and_the_equation(ratio):
     assert mode_shape(b, s, 4) == pytest.approx(b**4 * mode_shape(b, s), rel=1e-9, abs=1e-9 * b[-1] ** 4)
 
 
-@pytest.mark.parametrize("derivative", [1, 2, 3])
+@each_row("derivative", [1, 2, 3])
 def test_derivatives_of_a_shape_are_its_derivatives(derivative):
     b, s, h = cantilever_eigenvalues(1.2, 5), 0.37, 1e-5
     slope = (mode_shape(b, s + h, derivative - 1) - mode_shape(b, s - h, derivative - 1)) / (2 * h)
     assert mode_shape(b, s, derivative) == pytest.approx(slope, rel=1e-6)  # h^2 b^2/6 and rounding over h
 
 
-@pytest.mark.parametrize("ratio", [0.0, 1.2, 50.0])
+@each_row("ratio", [0.0, 1.2, 50.0])
 def test_modes_are_orthogonal_with_the_tip_mass_counted(ratio):
     b = cantilever_eigenvalues(ratio, 20)
     nodes, weights = np.polynomial.legendre.leggauss(120)  # exact for products of modes up to b = 60
@@ -159,7 +159,7 @@ def test_modes_are_orthogonal_with_the_tip_mass_counted(ratio):
 # under a couple ---------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("ratio", "end"), [(0.0, 0.2), (1.2, 0.4), (10.0, 0.9)])
+@each_row(("ratio", "end"), [(0.0, 0.2), (1.2, 0.4), (10.0, 0.9)])
 def test_the_static_deflection_is_reached_by_the_modes(ratio, end):
     b = cantilever_eigenvalues(ratio, 400)
     static = end * (1 - end / 2)
@@ -173,7 +173,7 @@ def test_the_known_forced_deflection():
     assert couple.tip_by_modes(0.36, 1.0, 0.4, 200).real == pytest.approx(0.33826656453, abs=1e-9)  # what modes 201 on add
 
 
-@pytest.mark.parametrize(("ratio", "b"), each_once([0.0, 1.0, 12.0], [0.6, 1.1, 3.0, 5.5, 9.0]))
+@each_row(("ratio", "b"), each_once([0.0, 1.0, 12.0], [0.6, 1.1, 3.0, 5.5, 9.0]))
 def test_closed_form_modes_and_boundary_conditions_agree(ratio, b):
     closed = couple.tip_in_closed_form(b, ratio, 0.3)
     assert closed == pytest.approx(by_conditions(b, ratio, 0.3), rel=1e-8)  # the condition of the eight equations grows as e^b

@@ -100,7 +100,7 @@ def integrated(force, t, free, damping):
     return solve_ivp(rate, (t[0], t[-1]), [0.0, 0.0], t_eval=t, rtol=1e-11, atol=1e-14, method="DOP853").y[0]
 
 
-@pytest.mark.parametrize(("omega", "damping"), [(2.0, 0.0), (2.0, 0.02), (3.0, 0.02), (3.0, 0.7), (20.0, 0.0), (20.0, 0.7)])
+@each_row(("omega", "damping"), [(2.0, 0.0), (2.0, 0.02), (3.0, 0.02), (3.0, 0.7), (20.0, 0.0), (20.0, 0.7)])
 def test_a_sine_from_rest_solves_the_equation_of_a_mode(omega, damping):
     t = np.linspace(0.0, 12.0, 97)
     found = sine_from_rest(t, omega, 3.0, damping)

@@ -73,7 +73,7 @@ def test_a_second_period_that_is_higher_is_seen_with_and_without_its_end(count):
         taken(t, velocity)
 
 
-@pytest.mark.parametrize(("missing", "good"), [(1, True), (2, False)])
+@each_row(("missing", "good"), [(1, True), (2, False)])
 def test_a_record_of_one_period_may_lack_less_than_half_a_step(missing, good):
     """Instants that begin anywhere: `missing` of a hundred samples, the first not being at zero; half a step is added for the last."""
     t = 0.3 + even(101 - missing)
@@ -85,7 +85,7 @@ def test_a_record_of_one_period_may_lack_less_than_half_a_step(missing, good):
             taken(t, values)
 
 
-@pytest.mark.parametrize(("part", "good"), [(0.49, True), (0.51, False)])
+@each_row(("part", "good"), [(0.49, True), (0.51, False)])
 def test_a_period_may_be_half_a_step_longer_than_the_record(part, good):
     step = PERIOD / (100 + part)
     t = np.arange(100) * step
@@ -105,7 +105,7 @@ def test_samples_in_a_period_bear_half_as_many_harmonics(per_period, most):
         taken(t, np.cos(OMEGA * t), order=most + 1)
 
 
-@pytest.mark.parametrize("per_period", [20, 50])
+@each_row("per_period", [20, 50])
 def test_the_mean_is_that_of_a_period_whatever_part_of_the_next_was_recorded(per_period):
     """Over one and a half periods the sum of 1 + cos is not zero; with harmonics up to the fifth, none of them is taken for a mean."""
     t = even(3 * per_period // 2, per_period)
@@ -114,7 +114,7 @@ def test_the_mean_is_that_of_a_period_whatever_part_of_the_next_was_recorded(per
     assert taken(t, velocity).order == 5
 
 
-@pytest.mark.parametrize(("tolerance", "order"), [(0.21, 1), (0.19, 2), (0.011, 2), (0.009, 3)])
+@each_row(("tolerance", "order"), [(0.21, 1), (0.19, 2), (0.011, 2), (0.009, 3)])
 def test_harmonics_are_kept_until_what_is_left_out_is_below_the_tolerance(tolerance, order):
     """1, 0.2 and 0.01 of the r.m.s. (to the second order)."""
     t = even(400)

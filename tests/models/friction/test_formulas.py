@@ -19,10 +19,10 @@ from stickslip.models.drives.drive import agree
 from stickslip.models.drives.drive_adapter import drive_of
 from stickslip.models.drives.fourier import series_range
 from stickslip.models.drives.patch_moment import modal_amplitudes
-from stickslip.models.forces import check_law, slip_ratio_of
+from stickslip.models.forces import check_law, slip_ratio
 from stickslip.models.friction.bristle import _draw, _mix
 from stickslip.models.friction.law import field_numbers
-from stickslip.models.friction.law_adapter import adapted, is_law
+from stickslip.models.friction.law_adapter import adapted, is_law, law_of
 from stickslip.models.friction.sides import by_side
 
 LOAD = 0.7
@@ -43,7 +43,7 @@ def test_the_viscous_term_opposes_motion_in_every_law_that_has_one(name, v):
     assert law.force(v, z, zdot, LOAD, *mode) - law.force(0.0, z, zdot, LOAD, *mode) == pytest.approx(law.sigma2 * v, rel=1e-9)
 
 
-@pytest.mark.parametrize("name", ["dahl", "lugre", "elastoplastic"])
+@each_row("name", ["dahl", "lugre", "elastoplastic"])
 def test_the_typical_deflection_is_that_of_sliding_fast_on_average_of_both_ways(name):
     """Where the rate vanishes at a speed far above the Stribeck velocity: mu N / sigma0."""
     law = ss.friction.LAWS[name].example()
@@ -99,9 +99,7 @@ def test_a_vertical_vibration_inside_another_adds_to_the_load():
 # found by mutants that no other test noticed ------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "law", [ss.Stribeck(0.1, 0.2, f_plus=None, f_minus=None, v_s=1e-3), ss.Stribeck(0.1, 0.2, f_plus=0.3, f_minus=0.4, v_s=1e-3)]
-)
+@each_row("law", [ss.Stribeck(0.1, 0.2, f_plus=None, f_minus=None, v_s=1e-3), ss.Stribeck(0.1, 0.2, f_plus=0.3, f_minus=0.4, v_s=1e-3)])
 def test_rest_bears_the_static_friction_of_each_side(law):
     forward, backward = (0.1, 0.2) if law.f_plus is None else (0.3, 0.4)
     assert law.breakaway(LOAD) == pytest.approx((-backward * LOAD, forward * LOAD), rel=1e-15)
@@ -112,12 +110,12 @@ def test_bristles_that_slide_have_the_friction_of_their_side():
     assert [law.coefficient(v) for v in (1.0, -1.0, 1e-12, -1e-12)] == pytest.approx([0.1, 0.2, 0.3, 0.4], rel=1e-9)
 
 
-@pytest.mark.parametrize(("u1", "u2"), [(0.02, 0.05), (0.05, 0.02)])
+@each_row(("u1", "u2"), [(0.02, 0.05), (0.05, 0.02)])
 def test_the_scale_of_two_phases_is_the_faster_one(u1, u2):
     assert ss.drives.TwoPhase.example().replace({"u1": u1, "u2": u2}).velocity_scale == 0.05
 
 
-@pytest.mark.parametrize("phase", [0.0, math.pi])
+@each_row("phase", [0.0, math.pi])
 def test_the_energy_of_a_drive_that_is_faster_one_way_is_that_of_the_faster(phase):
     drive = ss.MultiHarmonic(amplitudes=(1e-4, 5e-5), omega=200.0, phases=(0.0, phase))
     speeds = drive.velocity(np.linspace(0.0, drive.period, 20_001))
@@ -131,7 +129,7 @@ def test_the_drive_force_is_what_the_inner_mass_does_to_the_body():
     assert run.drive_force == pytest.approx(-robot.inner_mass * robot.drive.acceleration(run.t), rel=1e-12)
 
 
-@pytest.mark.parametrize("name", ["lugre", "stribeck", "elastoplastic", "gms"])
+@each_row("name", ["lugre", "stribeck", "elastoplastic", "gms"])
 def test_without_static_coefficients_the_slowest_motion_has_the_kinetic_ones(name):
     """f = None is f = mu, on each side: the Stribeck curve is flat, and equal numbers named twice give the same forces."""
     law = ss.friction.LAWS[name].example().replace(f_plus=None, f_minus=None)
@@ -166,7 +164,7 @@ def test_a_dynamic_law_holds_what_its_static_coefficients_bear_and_one_that_name
     assert adapted(Forwards()).limits(LOAD) is None and adapted(Backwards()).limits(LOAD) is None
 
 
-@pytest.mark.parametrize(("mode", "coefficient"), [(1, 0.15), (-1, -0.21)])
+@each_row(("mode", "coefficient"), [(1, 0.15), (-1, -0.21)])
 def test_the_spring_of_the_reset_integrator_is_at_its_bound_when_sliding_ends(mode, coefficient):
     """Also where the load, and with it the bound, changed since sliding began."""
     law = ss.friction.ResetIntegrator.example()
@@ -177,7 +175,7 @@ def test_the_spring_of_the_reset_integrator_is_at_its_bound_when_sliding_ends(mo
     assert law.force(mode * 1e-3, bound, 0.0, LOAD, (mode,)) == pytest.approx(coefficient * LOAD, rel=1e-15)
 
 
-@pytest.mark.parametrize(("v", "coefficient"), [(0.1, 0.15), (-0.1, -0.21)])
+@each_row(("v", "coefficient"), [(0.1, 0.15), (-0.1, -0.21)])
 def test_a_bristle_snaps_at_one_and_a_half_mean_deflections_to_somewhere_before(v, coefficient):
     """1.5 mu N/sigma0, and drawn evenly from there to 0, by the docstring of the law."""
     law = ss.friction.Bristle.example()
@@ -202,7 +200,7 @@ def test_what_is_no_tuple_of_numbers_is_no_several_numbers():
     assert [field_numbers(wrong) for wrong in (None, [0.1, 0.2], ("fast", 0.2), 0.1)] == [()] * 4
 
 
-@pytest.mark.parametrize("turned", [False, True])
+@each_row("turned", [False, True])
 def test_a_sum_with_random_bristles_is_random_and_not_compiled_whichever_comes_first(turned):
     parts = [ss.friction.Bristle.example(), ss.Viscous.example()]
     law = ss.friction.Sum(*parts[::-1]) if turned else ss.friction.Sum(*parts)
@@ -225,7 +223,7 @@ class Held:
         return -self.held * load, self.held * load
 
 
-@pytest.mark.parametrize("oil", [0.0, 2.0])
+@each_row("oil", [0.0, 2.0])
 def test_rest_may_bear_less_than_slow_sliding_by_rounding_and_no_more(oil):
     """The slowest sliding is asked at 1e-12 m/s, where oil adds 1e-11 of the force; allowed is a millionth of the force at 1 mm/s."""
     for held, good in ((0.2, True), (0.2 * (1 - 9e-7), True), (0.2 * (1 - 3e-6), False), (0.19, False)):
@@ -278,7 +276,7 @@ def test_the_velocity_scale_of_a_drive_that_names_none_is_its_largest_of_sixty_f
     assert drive_of(Saw()).velocity_scale == pytest.approx(63 / 64, rel=1e-14)
 
 
-@pytest.mark.parametrize(("frequency", "end", "place"), [(30.0, 0.4, 0.16), (5.0, 0.2, 0.22), (0.5, 0.2, 1.0)])
+@each_row(("frequency", "end", "place"), [(30.0, 0.4, 0.16), (5.0, 0.2, 0.22), (0.5, 0.2, 1.0)])
 def test_the_largest_slope_of_a_beam_is_found_wherever_it_lies(frequency, end, place):
     """Against 960 places; the slope of six modes has a wavelength of 0.4 or more, so that 24 places miss 5 per cent at most."""
     s = np.linspace(0.0, 1.0, 961)[:, None]
@@ -288,7 +286,7 @@ def test_the_largest_slope_of_a_beam_is_found_wherever_it_lies(frequency, end, p
     assert largest_slope(frequency, 10.0, end, 6, 0.02) == pytest.approx(slopes.max(), rel=0.05)
 
 
-@pytest.mark.parametrize(("share", "remarks"), [(0.5, 0), (0.97, 0), (1.03, 1)])
+@each_row(("share", "remarks"), [(0.5, 0), (0.97, 0), (1.03, 1)])
 def test_a_vertical_vibration_lifts_the_body_once_its_inertia_is_more_than_the_weight(share, remarks):
     """m a Omega^2 against (M + m) g = 0.687 N; the least load is found to a thousandth of it at 64 instants."""
     inner, period = ss.Harmonic(amplitude=1e-5, omega=200.0), 2 * math.pi / 200.0
@@ -366,18 +364,18 @@ def test_numbers_given_for_one_thing_agree_to_nine_digits_of_any_size(size):
     assert agree(size, size * (1 + 5e-10)) and not agree(size, size * (1 + 2e-9))
 
 
-@pytest.mark.parametrize("v", [0.02, -3.0])
+@each_row("v", [0.02, -3.0])
 def test_the_slip_ratio_is_what_the_bristle_does_not_follow(v):
     """Eq. 2.6 with v far above v_s: 1 - (dz/dt)/v = z/z_s, with z_s = mu N/sigma0 on the side of v."""
     robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=6e-4, law="lugre")
     law, N = robot.friction, robot.load(0.0, 0.0)
     steady = (law.mu_plus if v > 0 else -law.mu_minus) * N / law.sigma0
     shares = np.array([0.0, 0.3, 1.0])
-    ratios = slip_ratio_of(robot, math.copysign(1, v), np.zeros(3), np.zeros(3), np.full(3, v), (shares * steady)[:, None])
+    ratios = slip_ratio(law_of(robot), robot.velocity_scale, math.copysign(1, v), np.full(3, v), N, (shares * steady)[None])
     assert ratios == pytest.approx(shares, abs=1e-12)
 
 
-@pytest.mark.parametrize(("degrees", "remarks"), [(8.0, 0), (9.0, 1), (-11.0, 0), (-12.0, 1)])
+@each_row(("degrees", "remarks"), [(8.0, 0), (9.0, 1), (-11.0, 0), (-12.0, 1)])
 def test_a_body_slides_by_itself_where_the_slope_is_steeper_than_its_friction(degrees, remarks):
     """tan 8.53 degrees = 0.15 downhill, and 0.21 = tan 11.86 degrees where downhill is backwards."""
     robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=6e-4, law="coulomb")

@@ -232,7 +232,7 @@ BENT_LAW = LuGre(0.15, 0.21, 0.18, 0.24, sigma0=2e4, sigma1=20.0, sigma2=0.4, v_
 BENT_ROBOT = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=6e-4).replace(friction=BENT_LAW)
 
 
-@pytest.mark.parametrize("method", ["auto", "radau"])
+@each_row("method", ["auto", "radau"])
 def test_a_run_from_rest_begins_where_the_law_says(method):
     begun = BENT_LAW.start(BENT_ROBOT.load(0.0, 0.0))
     free = ss.solve(BENT_ROBOT, periods=2, method=method, rtol=1e-8)
@@ -454,7 +454,7 @@ def test_work_of_a_burst_is_its_integral():
 # Dahl ------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("strokes", [0.2, 1.0, 3.0])
+@each_row("strokes", [0.2, 1.0, 3.0])
 def test_dahl_hysteresis_of_a_steady_stroke(strokes):
     """i = 1 between -a and a: peak Fc tanh(sigma a/Fc), loss per cycle 4 Fc a - 4 Fc^2/sigma tanh(sigma a/Fc)."""
     Fc, sigma = 0.2, 4e5
@@ -472,7 +472,7 @@ def test_dahl_hysteresis_of_a_steady_stroke(strokes):
     assert sum(halves) == pytest.approx(4 * Fc * a - 4 * Fc**2 / sigma * math.tanh(sigma * a / Fc), rel=1e-10)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("exponent", "curve"),
     [(1.0, lambda x: 1 - math.exp(-x)), (2.0, lambda x: 1 - 1 / (1 + x)), (0.5, lambda x: 1 - max(1 - x / 2, 0) ** 2),
      (1.5, lambda x: 1 - (1 + x / 2) ** -2)],
@@ -525,7 +525,7 @@ def test_elasto_plastic_does_not_drift_below_its_elastic_limit():
     assert drift(LUGRE_1995)[-1] > 1e-6
 
 
-@pytest.mark.parametrize(("share", "alpha"), [(0.0, 0.0), (0.5, 0.5), (1.0, 1.0), (0.25, 0.5 - 0.5 * math.sqrt(0.5))])
+@each_row(("share", "alpha"), [(0.0, 0.0), (0.5, 0.5), (1.0, 1.0), (0.25, 0.5 - 0.5 * math.sqrt(0.5))])
 def test_elasto_plastic_blend(share, alpha):
     """alpha is 0 at z_ba, 1/2 half way, 1 at z_ss, a sine between."""
     law = ss.friction.ElastoPlastic(0.2, 0.4, None, None, sigma0=1e5, sigma1=0.0, sigma2=0.0, v_s=1e-3, z_ba=1e-6, z_ba_minus=3e-6)
@@ -560,7 +560,7 @@ def virgin(x, law, limit=0.2):
     )
 
 
-@pytest.mark.parametrize("way", [0.3e-6, 1.2e-6, 2.5e-6, 5e-6, 12e-6])
+@each_row("way", [0.3e-6, 1.2e-6, 2.5e-6, 5e-6, 12e-6])
 def test_masing_the_unloading_branch_is_the_virgin_curve_doubled(way):
     """F(x_r - d) = F_r - 2 f(d/2). Slipping elements sit at their limit exactly, since the curve is flat and they begin there."""
     law, speed, turn = maxwell(), 1e-5, 6e-6
@@ -675,7 +675,7 @@ def test_quadratic_friction_opposes_both_ways():
     assert same.breakaway(10.0) == law.breakaway(10.0)
 
 
-@pytest.mark.parametrize("exponent", [0.5, 1.0, 1.3, 2.0, 3.0])
+@each_row("exponent", [0.5, 1.0, 1.3, 2.0, 3.0])
 def test_stribeck_takes_any_exponent(exponent):
     law = ss.Stribeck(0.1, 0.2, 0.15, 0.3, v_s=1e-2, exponent=exponent, viscous=0.5)
     for v in (1e-5, 3e-3, 1e-2, 0.1, -2e-3, -0.1):
@@ -846,7 +846,7 @@ def test_a_law_of_ones_own_whose_breakaway_cannot_be_is_told_before_anything_run
         ss.presets.piezo_rig(tilt_deg=0.0, amplitude=5e-4).replace(friction=Own(0.3))
 
 
-@pytest.mark.parametrize("sides", [(0.0, 0.4), (0.4, 0.0)])
+@each_row("sides", [(0.0, 0.4), (0.4, 0.0)])
 def test_friction_of_one_direction_only_is_a_law(sides):
     """Nothing holds at rest, and how near to rest friction is looked at is measured on its own side."""
     law = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=5e-4).replace(friction=ss.Viscous(*sides)).friction
@@ -985,7 +985,7 @@ class Signed(Bending):
         return self.sigma0 * z * (1 + (self.sigma0 * z / load) ** self.p)
 
 
-@pytest.mark.parametrize("law", [Powers(0.15, 0.7, 0.1), Bending(0.15, 0.5, 4e5)], ids=["set-valued", "dynamic"])
+@each_row("law", [Powers(0.15, 0.7, 0.1), Bending(0.15, 0.5, 4e5)], ids=["set-valued", "dynamic"])
 def test_a_power_whose_exponent_is_a_field_is_taken_from_rest_on(law):
     """Powers below 1 have no slope at v = 0 and z = 0, where each run begins."""
     assert check_law(law, raise_=False)["symbols agree with numbers"].passed

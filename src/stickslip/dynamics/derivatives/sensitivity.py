@@ -13,7 +13,7 @@ from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.notebook_display import Drawn
-from stickslip.basics.number_names import numbers_meant
+from stickslip.basics.number_names import numbers_meant, unequal_sides
 from stickslip.dynamics.derivatives.slopes import number_slopes, period_of, start_changes
 from stickslip.dynamics.derivatives.tangents import Changes, changes_along, not_followed
 from stickslip.dynamics.periodic.given_states import states_of
@@ -159,6 +159,9 @@ def directions_of(what: str, model: Model, wrt: Any) -> dict[str, tuple[str, ...
         return {name: (name,) for name in known if not _breaks(model, (name,))}
     asked = [wrt] if isinstance(wrt, str) else list(wrt)
     directions = {str(pattern): numbers_meant(pattern, known) for pattern in asked}
+    own = dict(leaves(model))
+    if unequal := [why for pattern, names in directions.items() if (why := unequal_sides(pattern, names, own))]:
+        raise InputError(what, unequal)
     if directions and all(directions.values()) and not _any_breaks(model, list(directions.values())):
         return directions
     problems = [flaw for pattern, names in directions.items() if (flaw := _flaw(model, pattern, names, known))]

@@ -11,7 +11,7 @@ from stickslip.basics.contracts import Array, Model
 from stickslip.basics.distributions import ALLOWED, Distribution, distribution_of
 from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.basics.fields import leaves, replace_leaf
-from stickslip.basics.number_names import numbers_meant
+from stickslip.basics.number_names import numbers_meant, unequal_sides
 from stickslip.inverse.optimisation.perturbed_machines import is_allowed
 from stickslip.models.naming import in_its_unit
 from stickslip.studies.designs import sobol_cube
@@ -79,6 +79,8 @@ def checked_spread(model: Model, argument: str, given: Any, problems: Problems) 
         meant = numbers_meant(str(name), known)
         if not meant:
             problems.add(f"{argument}: {name!r} is not a number of {type(model).__name__}; {did_you_mean(str(name), known)}")
+        elif why := unequal_sides(str(name), meant, dict(leaves(model))):
+            problems.add(f"{argument}: {why}")
         elif (each := distribution_of(in_its_unit(meant[0], said, model, problems, f"{argument}[{name!r}]"))) is None:
             problems.add(f"{argument}[{name!r}] = {said!r}; allowed is {ALLOWED}; type for example {_TYPED}")
         else:

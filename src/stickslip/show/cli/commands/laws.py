@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 $ stickslip laws coulomb
 coulomb: Anisotropic Coulomb friction, a set-valued law: Eq. 2.4 of the paper.
   name      symbol  unit  default   meaning
-  mu_plus   μ₊      -     needed    kinetic friction coefficient forwards. Kinetic friction coefficient forwards (v > 0, downhill) and backwards.
-  mu_minus  μ₋      -     needed    kinetic friction coefficient backwards. Kinetic friction coefficient forwards (v > 0, downhill) and backwards.
+  mu_plus   μ₊      -     needed    kinetic friction coefficient forwards. Kinetic friction coefficient forwards (v > 0, downhill) and backwards; one alone, or mu=, is that of both directions.
+  mu_minus  μ₋      -     needed    kinetic friction coefficient backwards. Kinetic friction coefficient forwards (v > 0, downhill) and backwards; one alone, or mu=, is that of both directions.
   f_plus    f₊      -     optional  static friction coefficient forwards. Static (break-away) coefficients; None means the kinetic ones, which is Eq. 2.4 to the letter.
   f_minus   f₋      -     optional  static friction coefficient backwards. Static (break-away) coefficients; None means the kinetic ones, which is Eq. 2.4 to the letter.
 """,
