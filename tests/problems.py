@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import stickslip as ss
 from stickslip.maths import cos, sin, where, within
@@ -305,3 +306,39 @@ WORMS = {  # machine, mean velocity, tolerance [m/s]
     "P3e": (Worm(0.2, 0.2, frequency=5.0, shape="cosines"), 0.011084435192200, 1e-13),
     "P3e, reversed": (Worm(0.2, 0.2, frequency=5.0, shape="cosines", lag=-2 * math.pi / 3), -0.011084435192200, 1e-13),
 }
+
+
+# two blocks on a belt ------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Weakening:
+    """Friction that weakens with the speed of the slip, N / (1 + 3 |w|)."""
+
+    strength: float = 1.0
+    rate: float = 3.0
+
+    def sliding(self, v, load):
+        return where(v > 0, 1.0, -1.0) * self.strength * load / (1 + self.rate * abs(v))
+
+    def breakaway(self, load):
+        return -self.strength * load, self.strength * load
+
+
+@dataclass(frozen=True, eq=False)
+class TwoBlocks(ss.Machine):
+    """Two blocks on one belt, joined by a spring (Galvanetto and Bishop 1999)."""
+
+    speed: float
+    friction: Any
+    time_scale = 2 * math.pi
+    velocity_scale = 1.0
+
+    def bodies(self):
+        return {"a": ss.Body(1.0), "b": ss.Body(1.0)}
+
+    def contacts(self):
+        return {"a": ss.Contact("a", self.friction, on=self.speed, load=1.0), "b": ss.Contact("b", self.friction, on=self.speed, load=1.3)}
+
+    def links(self):
+        return {("a", None): ss.Spring(1.0), ("b", None): ss.Spring(1.0), ("a", "b"): ss.Spring(1.2)}

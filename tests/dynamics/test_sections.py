@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -13,10 +12,10 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import stickslip as ss
+from problems import TwoBlocks, Weakening
 from rows import each_row
 from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.strobe_maps import strobe_map, strobe_points
-from stickslip.maths import where
 
 MU, F, V_S, DAMPING = 0.2, 0.4, 0.3, 0.1
 COULOMB = ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0, f_plus=1.5, f_minus=1.5))
@@ -181,39 +180,6 @@ def test_a_verdict_and_an_atlas_tell_stick_slip_from_steady_sliding():
     assert kinds == ["periodic", "steady"]
     plane = ss.atlas(BELT, over={"speed": [0.8, 1.0], "damping": [0.1, 0.11]}, starts=dict(x=[0.3, 1.5]), settle=60, branches=0, refine=0)
     assert plane.at(speed=0.8, damping=0.1) == ("steady", "stick-slip") and plane.at(speed=1.0, damping=0.1) == ("steady",)
-
-
-@dataclass(frozen=True, eq=False)
-class TwoBlocks(ss.Machine):
-    """Two blocks on one belt, joined by a spring (Galvanetto and Bishop 1999)."""
-
-    speed: float
-    friction: Any
-    time_scale = 2 * np.pi
-    velocity_scale = 1.0
-
-    def bodies(self):
-        return {"a": ss.Body(1.0), "b": ss.Body(1.0)}
-
-    def contacts(self):
-        return {"a": ss.Contact("a", self.friction, on=self.speed, load=1.0), "b": ss.Contact("b", self.friction, on=self.speed, load=1.3)}
-
-    def links(self):
-        return {("a", None): ss.Spring(1.0), ("b", None): ss.Spring(1.0), ("a", "b"): ss.Spring(1.2)}
-
-
-@dataclass(frozen=True)
-class Weakening:
-    """Friction that weakens with the speed of the slip, N / (1 + 3 |w|)."""
-
-    strength: float = 1.0
-    rate: float = 3.0
-
-    def sliding(self, v, load):
-        return where(v > 0, 1.0, -1.0) * self.strength * load / (1 + self.rate * abs(v))
-
-    def breakaway(self, load):
-        return -self.strength * load, self.strength * load
 
 
 def test_a_cycle_of_several_turns_is_the_one_that_a_run_shows():

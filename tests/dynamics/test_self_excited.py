@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import stickslip as ss
+from problems import TwoBlocks, Weakening
 from rows import each_row
 from stickslip.maths import exp, where
 
@@ -30,19 +31,6 @@ class Exponential:
 
     def breakaway(self, load):
         return -self.static * load, self.static * load
-
-
-@dataclass(frozen=True)
-class Weakening:
-    """N / (1 + 3 |w|), of Galvanetto and Bishop's blocks."""
-
-    rate: float = 3.0
-
-    def sliding(self, v, load):
-        return where(v > 0, 1.0, -1.0) * load / (1 + self.rate * abs(v))
-
-    def breakaway(self, load):
-        return -load, load
 
 
 STRIBECK = ss.Stribeck(mu_plus=MU, mu_minus=MU, f_plus=F, f_minus=F, v_s=V_S)
@@ -135,21 +123,6 @@ def test_under_a_law_with_bristles_one_exponent_is_zero_too():
 
 
 # ---- two blocks on a belt (Galvanetto and Bishop 1999; the values that they print were not at hand: SciPy is the judge) ----
-@dataclass(frozen=True, eq=False)
-class TwoBlocks(ss.Machine):
-    speed: float
-    friction: Any
-    time_scale = 2 * np.pi
-    velocity_scale = 1.0
-
-    def bodies(self):
-        return {"a": ss.Body(1.0), "b": ss.Body(1.0)}
-
-    def contacts(self):
-        return {"a": ss.Contact("a", self.friction, on=self.speed, load=1.0), "b": ss.Contact("b", self.friction, on=self.speed, load=1.3)}
-
-    def links(self):
-        return {("a", None): ss.Spring(1.0), ("b", None): ss.Spring(1.0), ("a", "b"): ss.Spring(1.2)}
 
 
 LOADS = np.array([1.0, 1.3])

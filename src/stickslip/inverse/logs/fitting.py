@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -246,7 +247,7 @@ def _next(chosen: Any, kind: Kind) -> list[str]:
     stroke, speed = float(max(x) - min(x)), float(max(abs(v)))
     if not stroke > 0 or not speed > 0:
         return []
-    hertz = speed / (3.14159 * stroke)
+    hertz = speed / (math.pi * stroke)
     choices = [{"stroke": float(f"{stroke * s:.2g}"), "frequency": float(f"{hertz * f:.2g}")} for s in (1.0, 3.0) for f in (0.1, 1.0, 5.0)]
     try:
         plan = chosen.next_experiment(choices, samples=600)

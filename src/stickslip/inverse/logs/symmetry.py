@@ -10,6 +10,7 @@ import numpy as np
 from stickslip.basics.notebook_display import rounded, sure
 from stickslip.basics.number_names import SIDES
 from stickslip.inverse.identification.covariance import spread_of
+from stickslip.inverse.identification.fit_text import unit_of_parameter
 from stickslip.inverse.identification.search import polished_to_end
 
 if TYPE_CHECKING:
@@ -91,8 +92,6 @@ def symmetry_of(fit: Fit, unit: str = "") -> Symmetry | None:
 
 def by_sides(fit: Any) -> list[Symmetry]:
     """For each coefficient that was fitted for both directions apart: mean and half difference, as far as the record determines them."""
-    from stickslip.inverse.identification.fit_text import unit_of_parameter
-
     found = []
     for stem in [name.removesuffix(SIDES[0]) for name in fit.names if name.endswith(SIDES[0])]:
         names = [stem + side for side in SIDES]

@@ -61,6 +61,14 @@ RECORDS = (
     argument("--settle", metavar="N", default="auto", help="drive periods at the start to leave out (default: found in the record)"),
     argument("--between", metavar="A..B", help="use the part from A to B seconds"),
 )
+#: What is known of a sensor, for commands that fit.
+SENSOR = argument(
+    "--sensor",
+    action="append",
+    metavar="NAME=VALUE",
+    default=[],
+    help="sensor effects: offset=0 fixes it, gain=normal:1:0.02 is a prior, drift=fit leaves it free; ideal: none",
+)
 #: Where a study is written, and how.
 STUDIES = (
     argument("--out", metavar="PATH", help="a study folder, filled tile by tile, or a .nc, .mat, .csv, .xlsx or .parquet file"),

@@ -8,7 +8,7 @@ from stickslip.basics.errors import Problems
 from stickslip.basics.progress import ProgressLine
 from stickslip.show.cli import recorded
 from stickslip.show.cli.arguments import settings
-from stickslip.show.cli.declaring import RECORDS, argument, command
+from stickslip.show.cli.declaring import RECORDS, SENSOR, argument, command
 from stickslip.show.cli.outputs import Outcome
 
 if TYPE_CHECKING:
@@ -34,13 +34,7 @@ A force over a motion is a friction rig, a torque or a current over an angle a j
             "--set", action="append", metavar="NAME=VALUE", default=[], help="what is known: load=20, motor_constant=0.05, amplitude=5e-4"
         ),
         argument("--asymmetric", action="store_true", help="a coefficient for each direction"),
-        argument(
-            "--sensor",
-            action="append",
-            metavar="NAME=VALUE",
-            default=[],
-            help="sensor effects: offset=0 fixes it, gain=normal:1:0.02 is a prior, drift=fit leaves it free; ideal: none",
-        ),
+        SENSOR,
         argument("--starts", type=int, default=16, metavar="N", help="starting points of each search (default 16)"),
         *(each for each in RECORDS if each.names[0] in _HERE),
         argument("--out", metavar="FOLDER", help="write figures, report and Python there"),

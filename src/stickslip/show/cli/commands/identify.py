@@ -10,7 +10,7 @@ from stickslip.basics.errors import InputError, Problems, as_path, did_you_mean
 from stickslip.basics.progress import ProgressLine
 from stickslip.show.cli import recorded
 from stickslip.show.cli.arguments import range_ends, settings
-from stickslip.show.cli.declaring import CODE, RECORDS, argument, command
+from stickslip.show.cli.declaring import CODE, RECORDS, SENSOR, argument, command
 from stickslip.show.cli.outputs import Outcome
 
 if TYPE_CHECKING:
@@ -61,13 +61,7 @@ and `stickslip identify study.toml` does it.""",
         ),
         argument("--noise", type=float, help="standard deviation of one value [SI]"),
         argument("--transient", action="store_true", help="fit the transients of the records too, simulated from their first samples"),
-        argument(
-            "--sensor",
-            action="append",
-            metavar="NAME=VALUE",
-            default=[],
-            help="sensor effects: offset=0 fixes it, gain=normal:1:0.02 is a prior, drift=fit leaves it free; ideal: none",
-        ),
+        SENSOR,
         argument(
             "--harmonics",
             type=float,
