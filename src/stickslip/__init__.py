@@ -9,7 +9,7 @@ from stickslip.basics.presenting import on_demand
 
 __version__ = "0.1.0"
 
-_load, __dir__, __all__ = lazy_names(__name__, __file__)
+_load, __dir__, __all__ = lazy_names(__name__, __file__, lambda name: _instead(name))
 
 
 def __getattr__(name: str) -> object:
@@ -18,15 +18,11 @@ def __getattr__(name: str) -> object:
     if name in PUBLIC_MODULES:
         with held_together():  # an import that Ctrl-C leaves half done poisons the process
             return importlib.import_module(f"{__name__}.{PUBLIC_MODULES[name]}")
-    if name not in __all__:
-        if name.startswith("__"):
-            raise AttributeError(f"stickslip has no {name!r}")
-        raise AttributeError(f"stickslip has no {name!r}; {_instead(name)}")
     with held_together():
         try:
             return _load(name)
         except (AttributeError, ModuleNotFoundError) as error:
-            if isinstance(error, AttributeError) or (error.name or "").startswith(__name__):
+            if name in __all__ and (isinstance(error, AttributeError) or (error.name or "").startswith(__name__)):
                 error.add_note(f"{name!r} is looked for where src/stickslip/__init__.pyi has it from")
             raise
 
@@ -49,7 +45,6 @@ _IN_MODULES = {
     "ExportedLaw": "show.export",
     "LogFit": "inverse.logs",
     "Simulation": "solvers.simulation",
-    "StickslipError": "basics.errors",
 }
 
 #: Names that other packages use for some of our functions.

@@ -10,6 +10,7 @@ from .basics import maths as maths
 from .basics.errors import (
     InputError as InputError,
     SolveError as SolveError,
+    StickslipError as StickslipError,
 )
 from .dynamics.atlas.atlas import atlas as atlas
 from .dynamics.attractors.attractor_continuation import attractors as attractors

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 
-def names_of_stub(package: str, file: str) -> dict[str, tuple[str, str]]:
-    """Each public name of a package, and the module and the name that it has there.
+def names_of_stub(package: str, file: str) -> tuple[dict[str, tuple[str, str]], set[str]]:
+    """Each public name of a package with the module and the name that it has there; and which are second spellings of another.
 
     Parameters
     ----------
@@ -19,8 +19,9 @@ def names_of_stub(package: str, file: str) -> dict[str, tuple[str, str]]:
     Examples
     --------
     >>> import stickslip
-    >>> names_of_stub("stickslip", stickslip.__file__)["solve"]
-    ('stickslip.solvers', 'solve')
+    >>> names, spellings = names_of_stub("stickslip", stickslip.__file__)
+    >>> names["solve"], spellings
+    (('stickslip.solvers', 'solve'), {'optimize'})
     """
     tree = ast.parse(Path(file).with_suffix(".pyi").read_text(encoding="utf-8"))
     places = {
@@ -29,10 +30,13 @@ def names_of_stub(package: str, file: str) -> dict[str, tuple[str, str]]:
         if isinstance(node, ast.ImportFrom)
         for alias in node.names
     }
+    spellings = set()
     for node in tree.body:  # optimize = optimise
         if isinstance(node, ast.Assign) and isinstance(node.value, ast.Name) and isinstance(node.targets[0], ast.Name):
             places[node.targets[0].id] = places[node.value.id]
-    return {name: place for name, place in places.items() if not name.startswith("_")}
+            if not node.value.id.startswith("_"):
+                spellings.add(node.targets[0].id)
+    return {name: place for name, place in places.items() if not name.startswith("_")}, spellings
 
 
 def _absolute(package: str, node: ast.ImportFrom) -> str:
@@ -42,13 +46,17 @@ def _absolute(package: str, node: ast.ImportFrom) -> str:
     return ".".join([*parts, *([node.module] if node.module else [])])
 
 
-def lazy_names(package: str, file: str) -> tuple[Callable[[str], object], Callable[[], list[str]], list[str]]:
-    """`__getattr__`, `__dir__` and `__all__` of a package whose stub lists its names.
+def lazy_names(
+    package: str, file: str, instead: Callable[[str], str] | None = None
+) -> tuple[Callable[[str], object], Callable[[], list[str]], list[str]]:
+    """`__getattr__`, `__dir__` and `__all__` of a package whose stub lists its names; second spellings load, but are not listed.
 
     Parameters
     ----------
     package, file : str
         ``__name__`` and ``__file__`` of the package.
+    instead : callable, optional
+        What to type instead of a name that is not there; by default the listed name that is written like it.
 
     Examples
     --------
@@ -57,13 +65,16 @@ def lazy_names(package: str, file: str) -> tuple[Callable[[str], object], Callab
     >>> listed() == names and load("solve").__name__
     'solve'
     """
-    places = names_of_stub(package, file)
+    places, spellings = names_of_stub(package, file)
+    listed = sorted(places.keys() - spellings)
 
     def load(name: str) -> object:
         if name not in places:
+            if name.startswith("__"):  # asked for by the interpreter, nearly always
+                raise AttributeError(f"{package} has no {name!r}")
             from stickslip.basics.errors import did_you_mean
 
-            raise AttributeError(f"{package} has no {name!r}; {did_you_mean(name, places)}")
+            raise AttributeError(f"{package} has no {name!r}; {instead(name) if instead else did_you_mean(name, listed)}")
         module, attribute = places[name]
         place = importlib.import_module(module)
         if attribute not in vars(place) and (module == package or attribute not in dir(place)):
@@ -72,7 +83,7 @@ def lazy_names(package: str, file: str) -> tuple[Callable[[str], object], Callab
         vars(importlib.import_module(package))[name] = value
         return value
 
-    return load, lambda: sorted(places), sorted(places)
+    return load, lambda: listed, listed
 
 
 def listing(names: list[str]) -> Callable[[], list[str]]:
