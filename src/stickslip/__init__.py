@@ -4,12 +4,12 @@ import importlib
 import importlib.machinery
 import sys
 
-from stickslip.basics.lazy_names import lazy_names, typed_name
+from stickslip.basics.lazy_names import from_a_package, lazy_names, typed_name
 from stickslip.basics.presenting import on_demand
 
 __version__ = "0.1.0"
 
-_load, __dir__, __all__ = lazy_names(__name__, __file__, lambda name: _instead(name))
+_load, __dir__, __all__ = lazy_names(__name__, __file__, lambda name: _elsewhere(name))
 
 
 def __getattr__(name: str) -> object:
@@ -27,8 +27,15 @@ def __getattr__(name: str) -> object:
             raise
 
 
+def _elsewhere(name: str) -> object:
+    """What a name that is not listed stands for in a package, such as ``ss.GMS``; an error says what else to type."""
+    if name not in _CALLED and (place := from_a_package(name)):
+        return place[1]
+    raise AttributeError(f"stickslip has no {name!r}; {_instead(name)}")
+
+
 def _instead(name: str) -> str:
-    """What to type instead of a name that is not here: where it is, what it is called, or what is written like it."""
+    """What to type instead of a name: where it is, what it is called, or what is written like it."""
     if name in _CALLED:
         return f"type ss.{_CALLED[name]}"
     if typed := typed_name(name):

@@ -47,7 +47,7 @@ def _absolute(package: str, node: ast.ImportFrom) -> str:
 
 
 def lazy_names(
-    package: str, file: str, instead: Callable[[str], str] | None = None
+    package: str, file: str, elsewhere: Callable[[str], object] | None = None
 ) -> tuple[Callable[[str], object], Callable[[], list[str]], list[str]]:
     """`__getattr__`, `__dir__` and `__all__` of a package whose stub lists its names; second spellings load, but are not listed.
 
@@ -55,8 +55,8 @@ def lazy_names(
     ----------
     package, file : str
         ``__name__`` and ``__file__`` of the package.
-    instead : callable, optional
-        What to type instead of a name that is not there; by default the listed name that is written like it.
+    elsewhere : callable, optional
+        Gives the value of a name that the stub does not list, or raises AttributeError; without it the name is refused.
 
     Examples
     --------
@@ -72,9 +72,11 @@ def lazy_names(
         if name not in places:
             if name.startswith("__"):  # asked for by the interpreter, nearly always
                 raise AttributeError(f"{package} has no {name!r}")
+            if elsewhere:
+                return elsewhere(name)
             from stickslip.basics.errors import did_you_mean
 
-            raise AttributeError(f"{package} has no {name!r}; {instead(name) if instead else did_you_mean(name, listed)}")
+            raise AttributeError(f"{package} has no {name!r}; {did_you_mean(name, listed)}")
         module, attribute = places[name]
         place = importlib.import_module(module)
         if attribute not in vars(place) and (module == package or attribute not in dir(place)):
@@ -97,11 +99,24 @@ def listing(names: list[str]) -> Callable[[], list[str]]:
     return lambda: list(names)
 
 
-#: Where names are looked for that are not at the top; figures last, since they load Matplotlib.
+#: Whose names can be typed at the top as well, where they are not listed: ``ss.GMS`` is ``ss.friction.GMS``.
 PACKAGES = (
     "friction", "drives", "tracks", "machines", "presets", "dynamics", "analysis", "identification", "optimisation", "studies", "designs",
-    "results", "quantities", "plot",
+    "results", "quantities",
 )  # fmt: skip
+
+
+def from_a_package(name: str) -> tuple[str, object] | None:
+    """The package that has a public name which is not listed at the top, and what it stands for.
+
+    Examples
+    --------
+    >>> from_a_package("GMS")[0], from_a_package("Mascot")
+    ('friction', None)
+    """
+    top = importlib.import_module("stickslip")
+    packages = ((package, getattr(top, package)) for package in PACKAGES)
+    return next(((package, getattr(module, name)) for package, module in packages if name in module.__all__), None)
 
 
 def typed_name(name: str) -> str:
@@ -115,4 +130,6 @@ def typed_name(name: str) -> str:
     top = importlib.import_module("stickslip")
     if name in top.__all__:
         return f"ss.{name}"
-    return next((f"ss.{package}.{name}" for package in PACKAGES if name in getattr(top, package).__all__), "")
+    if place := from_a_package(name):
+        return f"ss.{place[0]}.{name}"
+    return f"ss.plot.{name}" if name in top.plot.__all__ else ""  # last, since figures load Matplotlib
