@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import stickslip as ss
+from rows import each_row
 from stickslip.analysis.closed_form import (
     border_i_iii,
     border_ii_i,
@@ -61,7 +62,7 @@ def test_borders_have_their_known_values():  # T3 to T6
     assert np.isnan(border_i_iii(20.0))  # there type III ends in type II
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("alphas", "type_", "mean", "fractions"),
     [
         ((0.5, 1.2), "II", 0.201452203333669, (0.5241295584, 1 - 0.5241295584, 0)),  # T7
@@ -122,7 +123,7 @@ def test_fractions_add_up_also_with_static_friction(plus, minus, up, down):
     assert float(p.forward + p.stick + p.backward) == pytest.approx(1, abs=1e-12)
 
 
-@pytest.mark.parametrize("alphas", [(1e-5, 2e-5), (1e-6, 2e-6), (1e-7, 1.5e-7)])
+@each_row("alphas", [(1e-5, 2e-5), (1e-6, 2e-6), (1e-7, 1.5e-7)])
 def test_next_to_frictionless_the_mean_is_the_formulas_or_none(alphas):
     """Such a body takes more periods to settle than anybody runs: the formula needs none, and without one there is no mean."""
     robot, higher = coulomb_robot(*alphas), tuple(1.5 * a for a in alphas)

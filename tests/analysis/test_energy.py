@@ -18,13 +18,13 @@ from stickslip.models.machine_adapter import machine_of
 ALPHAS = [(0.5, 1.2), (0.7, 0.9), (0.4, 0.8), (0.4, 0.5)]
 
 
-@pytest.mark.parametrize("alphas", ALPHAS)
+@each_row("alphas", ALPHAS)
 def test_exact_runs_balance_to_rounding(alphas):
     """Rounding of omega t at 200 periods is 1e-13 of the phase: 1e-12 leaves a factor for cancellation."""
     assert ss.energy(coulomb_run(unit_robot(*alphas), 200)).worst < 1e-12
 
 
-@pytest.mark.parametrize("alphas", ALPHAS)
+@each_row("alphas", ALPHAS)
 def test_friction_takes_its_force_times_the_way(alphas):
     """W_f = mu+ N s+ + mu- N s-, with the ways forwards and backwards taken from the positions at the events."""
     run = coulomb_run(unit_robot(*alphas), 10)
@@ -61,9 +61,7 @@ def test_a_dynamic_run_balances_to_its_tolerance():
     assert e.worst < 1e-6 and (e.friction > 0).all()
 
 
-@pytest.mark.parametrize(
-    "law", [ss.Coulomb(0.18, 0.18), ss.LuGre(0.18, 0.18, 0.21, 0.21, 4e5, 100.0, 0.04, 2e-3)], ids=["coulomb", "lugre"]
-)
+@each_row("law", [ss.Coulomb(0.18, 0.18), ss.LuGre(0.18, 0.18, 0.21, 0.21, 4e5, 100.0, 0.04, 2e-3)], ids=["coulomb", "lugre"])
 def test_the_numbers_of_a_body_that_slides_by_itself_fit_together(law):
     """Its mean velocity lies within its velocities, its balance is judged by the work of gravity, and a note says why it is not steady."""
     robot = ss.presets.piezo_rig(tilt_deg=3, amplitude=7e-4, incline="gravity").replace(friction=law)
@@ -106,7 +104,7 @@ def test_the_energy_of_every_preset_is_balanced_to_rounding_with_a_loss_for_each
     assert sum(balance.damping_of.values(), 0.0 * balance.damping) == pytest.approx(balance.damping, rel=1e-14)
 
 
-@pytest.mark.parametrize("name", ["capsubot on a slope", "conveyor on a slope"])
+@each_row("name", ["capsubot on a slope", "conveyor on a slope"])
 def test_gravity_of_a_machine_is_the_weight_of_each_body_times_its_way_down(name):
     """The ways come from the strobe points, and the work from the forces between them."""
     model, length, _ = MACHINES[name]
@@ -170,7 +168,7 @@ def test_the_residual_of_a_right_run_is_small_whatever_it_exchanges(name):
     assert balance.worst <= abs(balance.residual).max() < 1e-6
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("model", "number", "how"),
     [
         (ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="lugre"), "friction.sigma0", {"periods": 30}),

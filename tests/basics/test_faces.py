@@ -11,6 +11,7 @@ import pytest
 
 import every
 import stickslip as ss
+from rows import each_row
 from stickslip.basics.notebook_display import Face, Text, rounded
 from stickslip.show.reports.optimum import optimum_page
 
@@ -116,7 +117,7 @@ def test_a_report_prints_as_lines(results):
     assert report._repr_html_() == f"<pre>{html.escape(report)}</pre>"
 
 
-@pytest.mark.parametrize(("value", "error", "text"), [(0.1797921, 0.00112, "0.1798"), (-np.inf, 0.0, "-inf"), (7961.23, 720.0, "7960")])
+@each_row(("value", "error", "text"), [(0.1797921, 0.00112, "0.1798"), (-np.inf, 0.0, "-inf"), (7961.23, 720.0, "7960")])
 def test_numbers_have_the_digits_that_their_error_leaves(value, error, text):
     assert rounded(value, error) == text
 

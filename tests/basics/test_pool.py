@@ -2,6 +2,7 @@
 
 import pytest
 
+from rows import each_row
 from stickslip.basics.interruption import PROGRESS, Interrupted, interruptible, is_stopped, look, partial_result, stop_call
 from stickslip.basics.pool import shared
 
@@ -32,7 +33,7 @@ def test_several_workers_make_the_same_and_take_few_parts_at_a_time():
     assert sorted([first, *results]) == [(n, n * n) for n in range(100)]
 
 
-@pytest.mark.parametrize("workers", [1, 3])
+@each_row("workers", [1, 3])
 def test_no_part_is_begun_after_an_interruption_and_those_at_work_have_no_result(workers):
     @interruptible
     def squares():
@@ -52,7 +53,7 @@ def test_no_part_is_begun_after_an_interruption_and_those_at_work_have_no_result
     assert interrupted and 4 not in found and set(range(4)) <= set(found) and len(found) < 20
 
 
-@pytest.mark.parametrize("workers", [1, 3])
+@each_row("workers", [1, 3])
 def test_all_parts_are_begun_after_an_interruption_where_each_looks_for_itself(workers):
     @interruptible
     def squares():
@@ -66,7 +67,7 @@ def test_all_parts_are_begun_after_an_interruption_where_each_looks_for_itself(w
     assert sorted(squares()) == [*range(50)]
 
 
-@pytest.mark.parametrize("workers", [1, 3])
+@each_row("workers", [1, 3])
 def test_an_interruption_without_a_call_is_an_error_like_any_other(workers):
     def work(n):
         raise Interrupted

@@ -4,9 +4,8 @@ import dataclasses
 import inspect
 import re
 
-import pytest
-
 from house import ROOT
+from rows import each_row
 from stickslip.basics.field_types import field_types
 
 PAGE = ROOT / "docs" / "notation.md"
@@ -88,7 +87,7 @@ def test_every_argument_of_a_preset_is_on_the_page():
     assert not missing, f"add to docs/notation.md: {', '.join(missing)}"
 
 
-@pytest.mark.parametrize("column", (3, 4), ids=("meaning", "equation"))
+@each_row("column", (3, 4), ids=("meaning", "equation"))
 def test_no_row_is_left_half_written(column):
     empty = [name for name, found in rows().items() for cells in found if not cells[column]]
     assert not empty, f"docs/notation.md: fill in the rows of {', '.join(empty)}"

@@ -10,6 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import stickslip as ss
+from rows import each_row
 from stickslip.maths import cos, pi
 
 of_map = ss.SwitchingFlow.of_map
@@ -41,7 +42,7 @@ def test_branch_points_and_the_branches_that_cross_there_are_where_closed_forms_
     assert branch.ended == "it reached the end of the range"
 
 
-@pytest.mark.parametrize(("name", "breaks"), [("pitchfork", True), ("Lorenz", True), ("transcritical", False)])
+@each_row(("name", "breaks"), [("pitchfork", True), ("Lorenz", True), ("transcritical", False)])
 def test_only_a_crossing_of_images_is_called_symmetry_breaking(name, breaks):
     flow, parameter, start, stop, _, _ = CASES[name]
     branch = ss.continuation(flow, parameter=parameter, start=start, stop=stop, guess={flow.states[0]: 0.0})

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.dynamics.periodic.ball_arithmetic import above_zero, flint_for, krawczyk
 
 flint = pytest.importorskip("flint")
@@ -19,7 +20,7 @@ def proof_of(plus, minus, digits=20, **static):
     return ss.dynamics.certify(ss.periodic_orbit(robot.replace(friction=ss.Coulomb(plus, minus, **static))), digits)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("alphas", "mean", "shares"),
     [
         ((0.5, 1.2), 0.201452203333669, {"+": 0.5241295584, "0": 1 - 0.5241295584}),  # T7
@@ -58,7 +59,7 @@ def test_a_motion_without_rest_has_the_multiplier_of_its_derivative():
     assert float(np.real(orbit.multipliers[0])) in ss.dynamics.Enclosure(found.multiplier.low - 1e-12, found.multiplier.high + 1e-12, "")
 
 
-@pytest.mark.parametrize("alphas", [(1.0, 1.0), (0.5, 1.0)], ids=["rest", "T5"])
+@each_row("alphas", [(1.0, 1.0), (0.5, 1.0)], ids=["rest", "T5"])
 def test_on_a_border_nothing_is_proved(alphas):
     found = proof_of(*alphas)
     assert not found.proved and "cannot be told from" in found.why and found.mean_velocity is None

@@ -77,7 +77,7 @@ def doubled(branch):
 # orbits ------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("row", COULOMB)
+@each_row("row", COULOMB)
 def test_coulomb_orbits_are_the_closed_ones(row):
     plus, minus, kind, mean = COULOMB[row]
     orbit = ss.periodic_orbit(dimensionless_robot(plus, minus))
@@ -112,7 +112,7 @@ def test_the_slow_method_gives_the_same_multiplier():
     assert done.monodromy[1, 1] == pytest.approx(float(orbit.multipliers[0]), abs=1e-10)
 
 
-@pytest.mark.parametrize("mu0", [0.03, 0.04, 0.18])
+@each_row("mu0", [0.03, 0.04, 0.18])
 def test_the_tangent_is_the_derivative_of_the_map(mu0):
     """Away from any orbit too, at two step sizes: differences of step h are good to h^2 times the curvature plus 1e-13/h."""
     robot = ss.presets.piezo_rig(mu0=mu0, **RIG)

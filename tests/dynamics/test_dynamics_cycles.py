@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 
 STATIC = ss.Coulomb(1.0, 1.0, f_plus=1.5, f_minus=1.5)
 LUGRE_1995 = ss.LuGre(1.0, 1.0, 1.5, 1.5, sigma0=1e5, sigma1=1e5**0.5, sigma2=0.4, v_s=1e-3)
@@ -34,7 +35,7 @@ def later(run, cycle, turns):
     return float(np.max(abs(run.at(t)["v"] - run.at(t - turns * cycle.duration)["v"])))
 
 
-@pytest.mark.parametrize("make", [belt, pull])
+@each_row("make", [belt, pull])
 def test_the_cycle_of_the_belt_is_the_closed_one(make):
     cycle = ss.periodic_orbit(make())
     assert closed_period(0.1) == pytest.approx(7.6112592541013, abs=1e-12)
@@ -139,7 +140,7 @@ def test_a_flow_without_a_period_that_comes_to_rest_is_steady_and_has_no_cycle()
         ss.continuation(flow, parameter="k", start=1.0, stop=2.0)
 
 
-@pytest.mark.parametrize("turns", [2, 3, 4])
+@each_row("turns", [2, 3, 4])
 def test_a_cycle_that_repeats_earlier_than_was_asked_is_given_once_and_says_so(turns):
     once, asked = ss.periodic_orbit(belt()), ss.periodic_orbit(belt(), period=turns)
     assert once.period == asked.period == 1 and asked.duration == pytest.approx(closed_period(0.1), abs=1e-10)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.basics.forward_ad import variables
 from stickslip.maths import cos, exp, sin, sqrt, tanh, where
 
@@ -152,7 +153,7 @@ def test_belt_cycle_has_its_closed_period():
     assert np.all(orbit.multipliers == 0.0), "riding the belt forgets everything but the place on it"
 
 
-@pytest.mark.parametrize("guess", [4.0, 4.7, 6.0])
+@each_row("guess", [4.0, 4.7, 6.0])
 def test_a_cycle_that_makes_the_same_switches_twice_is_found_whole(guess):
     """A turn of a circle, at speed 2 where y (2 x + 0.9) > 0 and 1 elsewhere; each is half of it, in two pieces: pi/2 + pi."""
     inward = lambda y: 1 - y[0] ** 2 - y[1] ** 2  # noqa: E731
@@ -216,7 +217,7 @@ def test_bad_starts_are_said():
         ss.dynamics.flow_orbit(belt(0.1, lambda s: 1.0), [0.6, 0.1], 0)
 
 
-@pytest.mark.parametrize("settle", [0.0, 5.0])
+@each_row("settle", [0.0, 5.0])
 def test_a_flow_that_leaves_all_bounds_has_no_exponents(settle):
     """x' = x^2 from 1 is 1/(1 - t)."""
     with pytest.raises(ss.InputError, match=r"diverges at t = 1 from x0 = \[1.0\].* [Gg]ive a start"):

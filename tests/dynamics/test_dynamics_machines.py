@@ -455,7 +455,7 @@ def test_lines_of_several_are_those_of_each_and_add_up_to_its_power():
             ss.dynamics.spectrum(run, **asked)
 
 
-@pytest.mark.parametrize(("settle", "run_on"), [(6, True), (40, False)])
+@each_row(("settle", "run_on"), [(6, True), (40, False)])
 def test_a_state_that_the_strobe_map_does_not_change_by_a_bit_is_not_run_on_and_has_the_same_points(settle, run_on, monkeypatch):
     """The map is a function of the state, so what it leaves as it is it always leaves; others are run on for as long as they were."""
     alone = Alone(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb"))

@@ -8,6 +8,8 @@ import threading
 
 import matplotlib
 
+from rows import each_row
+
 matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt
@@ -99,7 +101,7 @@ def test_going_up_and_down_stops_too(every_report):
     assert found.period.sel(direction="down").values.tolist()[:4] == [-1] * 4
 
 
-@pytest.mark.parametrize("workers", [1, 2])
+@each_row("workers", [1, 2])
 def test_an_interrupt_ends_the_threads(workers):
     def interrupt(now):
         raise KeyboardInterrupt
@@ -140,7 +142,7 @@ def two_tracks(amplitude):
     return ss.presets.piezo_rig(tilt_deg=1.7, amplitude=amplitude).replace(track=track)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("make", "told"),
     [(two_laws, "friction is TanhCoulomb for one and DeadBand for another"), (two_tracks, "track.harmonic is 1 for one and 2 for another")],
     ids=["law", "harmonic"],
@@ -209,7 +211,7 @@ def test_points_that_swing_nearer_have_no_period_two():
     assert periods_of(swinging(0.1)[:, 8:], np.ones(1), 1e-6).tolist() == [1]
 
 
-@pytest.mark.parametrize("aside", [2e-5, 2e-7, 1e-9])
+@each_row("aside", [2e-5, 2e-7, 1e-9])
 def test_a_transient_beside_a_flip_has_not_period_two_however_small(aside):
     robot = ss.presets.piezo_rig(mu0=FLIP + 3e-5, **RIG)
     orbit = ss.periodic_orbit(robot, guess=[-2.577e-3, -1.8513e-7])

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from slipping_elements import oscillator
 from stickslip.basics.fields import replace_leaf
 from stickslip.dynamics.derivatives.tangents import jacobian_of
@@ -86,7 +87,7 @@ def test_orbits_and_multipliers_of_laws_with_memory(law, amplitude):
     np.testing.assert_allclose(np.sort(np.real(orbit.multipliers)), np.sort(orbit.differences.real), atol=1e-6)
 
 
-@pytest.mark.parametrize("law", [GMS, RESET], ids=["gms", "reset"])
+@each_row("law", [GMS, RESET], ids=["gms", "reset"])
 def test_the_derivative_is_right_away_from_orbits_too(law):
     robot = rig(law, 4e-4)
     state = strobe_map(robot, np.zeros((1, len(coordinates(robot).names))), 5).state[0]

@@ -87,7 +87,7 @@ def test_static_friction_above_the_kinetic_one():
     assert orbit.multipliers.tolist() == [0.0] and abs(orbit.differences[0]) < 1e-6
 
 
-@pytest.mark.parametrize("alphas", [(1.0, 1.0), (1.0, 1.7), (3.0, 2.0)])
+@each_row("alphas", [(1.0, 1.0), (1.0, 1.7), (3.0, 2.0)])
 def test_rest_is_an_orbit(alphas):
     """T1: rest if and only if both are 1 or more."""
     orbit = ss.periodic_orbit(dimensionless(*alphas))

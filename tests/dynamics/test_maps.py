@@ -52,7 +52,7 @@ def test_every_cell_of_a_million_is_on_the_right_side():
     assert not wrong.any() and 0 < cut.sum() < 0.012 * cut.size
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("plus", "minus", "kind", "w", "tol"),
     [
         (0.5, 1.2, "II", 0.201452203333669, 1e-12),  # T7

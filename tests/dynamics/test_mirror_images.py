@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.maths import cos
 
 CUBIC = ss.SwitchingFlow.of_map(lambda y, n: (n.r * y[0] - y[0] ** 3 + n.h,), {"r": 1.5, "h": 0.0}, ("x",))
@@ -32,7 +33,7 @@ def test_the_images_of_a_forced_oscillator_are_half_a_period_apart():
     assert images(ss.basins(duffing(stiffness=-1.0), x=[-1.2, 1.2], v=[0.0], settle=60)) == ["its own mirror image"]
 
 
-@pytest.mark.parametrize("model", [duffing(bias=1e-3), CUBIC.replace(h=1e-3)], ids=["oscillator", "map"])
+@each_row("model", [duffing(bias=1e-3), CUBIC.replace(h=1e-3)], ids=["oscillator", "map"])
 def test_what_is_not_quite_symmetric_has_no_images(model):
     """The two motions differ by more than 1e-4 of their size from images of one another."""
     starts = {"x": [-1.2, 1.2]} if len(model.states) > 1 else {"x": [-0.5, 0.5]}
@@ -40,7 +41,7 @@ def test_what_is_not_quite_symmetric_has_no_images(model):
     assert len(found.attractors) == 2 and images(found) == ["", ""]
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("law", "tilt", "expected"),
     [
         (ss.Coulomb(0.15, 0.15), 0.0, "its own mirror image"),

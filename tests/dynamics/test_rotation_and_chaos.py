@@ -34,13 +34,13 @@ def test_periods_of_the_logistic_map_are_regular(r):
     assert ss.dynamics.zero_one_test(logistic(r)).kind == "regular"
 
 
-@pytest.mark.parametrize("series", [logistic(3.9), logistic(3.97), henon(1.4), henon(1.2)], ids=["3.9", "3.97", "Henon 1.4", "Henon 1.2"])
+@each_row("series", [logistic(3.9), logistic(3.97), henon(1.4), henon(1.2)], ids=["3.9", "3.97", "Henon 1.4", "Henon 1.2"])
 def test_chaos_is_told_where_the_exponent_is_positive(series):
     found = ss.dynamics.zero_one_test(series)
     assert found.kind == "chaotic" and found.K > 0.99 and found.quartiles[0] > 0.98
 
 
-@pytest.mark.parametrize("a", [1.0, 1.25])
+@each_row("a", [1.0, 1.25])
 def test_periods_of_henon_are_regular(a):
     """Period 4, and the window of period 7."""
     assert ss.dynamics.zero_one_test(henon(a)).kind == "regular"
@@ -66,7 +66,7 @@ def moebius(angle):
     return A @ turn @ np.linalg.inv(A), angle / math.pi
 
 
-@pytest.mark.parametrize("angle", [0.4, 1.0, 2.2])
+@each_row("angle", [0.4, 1.0, 2.2])
 def test_a_circle_map_has_its_closed_rotation_number(angle):
     A, rho = moebius(angle)
     lift = [0.1]

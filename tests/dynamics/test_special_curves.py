@@ -7,6 +7,7 @@ import pytest
 
 import stickslip as ss
 from dynamics.test_dynamics_special import Fed
+from rows import each_row
 from stickslip.dynamics.continuation.special_points.accuracy import Special
 
 of_map = ss.SwitchingFlow.of_map
@@ -50,7 +51,7 @@ def test_curves_of_henons_map_are_closed_and_their_resonances_lie_where_areas_ar
     certain(curve.special[0], where)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("stop", "found", "last"),
     [(4.0, {"R3": 1.25, "R2": 3.0}, "R2"), (-1.5, {"R4": 0.0, "R1": -1.0}, "R1")],
 )

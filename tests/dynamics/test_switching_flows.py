@@ -68,14 +68,14 @@ def test_a_reset_beyond_another_guard_is_one_switch_of_both():
     assert (ends[1].state - ends[0].state)[0] == pytest.approx(-0.5e-6, abs=1e-12)
 
 
-@pytest.mark.parametrize(("start", "mode"), [((1.0, 1.0), 1), ((1.0, 0.9), 2), ((0.9, 1.0), 1), ((-1.0, -2.0), 1)])
+@each_row(("start", "mode"), [((1.0, 1.0), 1), ((1.0, 0.9), 2), ((0.9, 1.0), 1), ((-1.0, -2.0), 1)])
 def test_the_guard_that_falls_first_counts_and_of_several_the_first_in_order(start, mode):
     fields = {0: lambda t, y: (-1.0, -1.0), 1: lambda t, y: (0.0, 0.0), 2: lambda t, y: (0.0, 0.0)}
     flow = ss.SwitchingFlow(fields, {0: (ss.Switch(lambda t, y: y[0], 1), ss.Switch(lambda t, y: y[1], 2))})
     assert ss.dynamics.passage(flow, start, 0, 3.0).mode == mode
 
 
-@pytest.mark.parametrize("depth", [-1e-6, -1e-12, 1e-12, 1e-6])
+@each_row("depth", [-1e-6, -1e-12, 1e-12, 1e-6])
 def test_a_guard_that_dips_below_zero_within_a_step_is_seen_and_one_that_does_not_is_not(depth):
     """x = cos t comes down to -1 at pi. The dip below -1 - depth begins sqrt(-2 depth) before; an error e of x moves that by e over it."""
     events = ss.dynamics.passage(swinging(lambda t, y: y[0] + 1.0 + depth), [1.0, 0.0], 0, 6.0).events
@@ -107,7 +107,7 @@ def test_chattering_is_an_error():
         ss.dynamics.passage(ss.SwitchingFlow({0: push(1.0), 1: push(-1.0)}, turn), [2.5, 0.1], 0, 20.0)
 
 
-@pytest.mark.parametrize(("start", "begun"), [((1.0, 0.0), 4.0637), ((0.0, 0.0), 0.0), ((-0.1, 0.0), 0.0)])
+@each_row(("start", "begun"), [((1.0, 0.0), 4.0637), ((0.0, 0.0), 0.0), ((-0.1, 0.0), 0.0)])
 def test_a_ball_that_comes_to_rest_in_infinitely_many_jumps_is_an_error(start, begun):
     """Zeno: it rests sqrt(2 h/g) (1 + 2 r/(1 - r)) after it fell from h."""
     if begun:
@@ -183,7 +183,7 @@ def test_rest_between_guards_is_no_orbit():
         ss.dynamics.flow_orbit(held(), [0.1, 0.0], "rest", duration=2.0)
 
 
-@pytest.mark.parametrize("turns", [1, 2, 3])
+@each_row("turns", [1, 2, 3])
 def test_an_orbit_is_gone_around_once(turns):
     """Van der Pol's oscillator at mu = 1: period 6.6632868593231 (its first digits: Urabe 1960)."""
     orbit = ss.dynamics.flow_orbit(van_der_pol(), [2.0, 0.0], 0, duration=6.66 * turns)

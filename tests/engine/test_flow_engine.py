@@ -10,6 +10,7 @@ import pytest
 import stickslip as ss
 from every import DEN_HARTOG, den_hartog
 from pairs import each_once
+from rows import each_row
 from stickslip.maths import cos, exp, pi, sin, sqrt, where, within
 from stickslip.solvers import flow_engine as flows
 
@@ -193,7 +194,7 @@ def test_a_jump_of_the_field_within_a_mode_moves_disturbances():
     assert done.state[0] == pytest.approx(0.25, abs=1e-15) and done.monodromy[0, 0] == pytest.approx(0.5, abs=1e-13)
 
 
-@pytest.mark.parametrize("begin", [0.0, 0.25, 3.0])
+@each_row("begin", [0.0, 0.25, 3.0])
 def test_a_condition_on_time_alone_changes_at_its_instant(begin):
     """y' = 1 before t = 1 and -1 after it, by `where` and by `if`."""
     expected = 2 * max(1.0 - begin, 0.0) - 2.5

@@ -110,7 +110,7 @@ def test_the_equations_can_be_drawn(name):
         assert rf"\ddot x_{{{own}}}" in ss.latex(model) if own else r"\ddot x " in ss.latex(model)
 
 
-@pytest.mark.parametrize("name", ["Chain, set-valued laws", "a machine of your own", "everything", "five"])
+@each_row("name", ["Chain, set-valued laws", "a machine of your own", "everything", "five"])
 def test_what_is_written_is_what_is_solved(name):
     """Newton's law as it is written, at numbers, against the machine's own accelerations: rounding of some thirty operations."""
     model = MACHINES[name]

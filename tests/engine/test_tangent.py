@@ -152,7 +152,7 @@ def test_the_same_phase_at_both_modules_moves_nothing():
     assert by_mass and abs(sum(found.relative[found.names.index(n)] for n in masses)) < 1e-11  # V knows ratios of masses and forces only
 
 
-@pytest.mark.parametrize("make", [lambda: robot(), lambda: problems.CAPSULE_3], ids=["robot", "capsule"])
+@each_row("make", [lambda: robot(), lambda: problems.CAPSULE_3], ids=["robot", "capsule"])
 def test_the_frequency_counts_as_differences_say(make):
     """The period changes with it: time, instants and the mean are all measured anew."""
     machine = make()

@@ -2,10 +2,9 @@
 
 import re
 
-import pytest
-
 import stickslip as ss
 from house import PAGES, ROOT
+from rows import each_row
 from stickslip.basics.quantities import AMPLITUDE
 
 PRESET = re.compile(r"tilt_deg=(1\.7|2\.7|4\.7|5\.7)[ ,]+amplitude=([0-9.]+e-[0-9]+)(?=[ ,)\n`])")
@@ -26,7 +25,7 @@ def test_every_amplitude_beside_a_tilt_of_the_paper_is_the_inferred_one_or_a_rou
     assert AMPLITUDE["example"] == ss.presets.PAPER_AMPLITUDES[1.7]
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("tilt", "coulomb", "lugre", "kind"),
     [(1.7, 2.0, 1.8, "I"), (2.7, 3.8, 3.7, "III"), (4.7, 4.0, 3.7, "II"), (5.7, 28.7, 28.1, "IV")],
 )

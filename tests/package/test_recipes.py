@@ -169,7 +169,7 @@ def test_every_tableau_is_in_the_tuple():
     assert not left, f"{', '.join(left)}: add to TABLEAUX at the end of src/stickslip/engine/tableaux.py"
 
 
-@pytest.mark.parametrize("name", TABLEAUX)
+@each_row("name", TABLEAUX)
 def test_a_tableau_is_a_method(name):
     made = TABLEAUX[name]
     n = made.stages

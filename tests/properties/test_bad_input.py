@@ -437,7 +437,7 @@ def test_a_gait_whose_distances_do_not_close_is_said():
         ss.Chain(bodies, link=ss.machines.Gait(Away(), lag=2.0))
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("part", "said"),
     [
         (

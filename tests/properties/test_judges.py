@@ -167,7 +167,7 @@ def test_the_covering_set_covers():
         assert {row[column] for row in COVERING} == set(known)
 
 
-@pytest.mark.parametrize("method", ["rk4", "rodas4", "rodas5p"])
+@each_row("method", ["rk4", "rodas4", "rodas5p"])
 def test_a_law_for_plain_numbers_only_is_not_compiled(method):
     with pytest.raises(ss.InputError, match=rf"'{method}' does not solve this Robot; .*it is compiled, and Bristle is written for plain"):
         solve(kinds.robot("bristle", "harmonic"), periods=2, method=method)

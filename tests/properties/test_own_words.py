@@ -95,7 +95,7 @@ def test_a_law_that_asks_its_number_in_a_batch_is_told_of_where():
     says(lambda: ss.solve(rig(tilt_deg=0.0).replace(friction=Asks(np.array([0.05, 0.2]))), periods=3), "Asks", "where(condition, yes, no)")
 
 
-@pytest.mark.parametrize("law", [Remembers, Derives])
+@each_row("law", [Remembers, Derives])
 def test_what_a_law_computes_when_it_is_made_is_never_stale(law):
     says(lambda: ss.solve(rig(tilt_deg=0.0).replace(friction=law()), periods=3), law.__name__, "hold", "compute it in the method")
     says(lambda: ss.testing.check_law(law()), "hold")
@@ -277,7 +277,7 @@ def test_a_bar_of_progress_is_one_line(monkeypatch):
     assert f"[{'#' * 12}{'.' * 12}] starts, 1 of 2" in said and "drawing, 1 of 2" in said and f"[{'#' * 24}] 100 %" in said
 
 
-@pytest.mark.parametrize("terminal", [False, True])
+@each_row("terminal", [False, True])
 def test_a_log_has_a_line_of_progress_ever_more_rarely(monkeypatch, terminal):
     now = 0.0
 

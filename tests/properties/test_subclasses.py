@@ -143,7 +143,7 @@ def test_one_term_that_is_no_sine_and_no_constant_opens_the_arcs(terms):
     assert "depends on" in handles(changed(**terms))
 
 
-@pytest.mark.parametrize("terms", CLOSED)
+@each_row("terms", CLOSED)
 def test_sines_and_constants_keep_the_arcs_closed_and_their_numbers_are_those_of_the_equations(terms):
     robot = changed(**terms)
     assert handles(robot) is None
@@ -276,9 +276,7 @@ def test_a_contact_that_moves_otherwise_is_refused():
         ss.solve(Geared(**PARTS), periods=2)
 
 
-@pytest.mark.parametrize(
-    "solve", [lambda r: ss.solve(r, periods=2), lambda r: ss.periodic_orbit(r), lambda r: ss.solve(r, periods=2, method="rk4")]
-)
+@each_row("solve", [lambda r: ss.solve(r, periods=2), lambda r: ss.periodic_orbit(r), lambda r: ss.solve(r, periods=2, method="rk4")])
 def test_equations_that_do_not_come_back_after_their_period_are_refused(solve):
     with pytest.raises(ss.InputError, match="load is another one a period later"):
         solve(Detuned(**PARTS))

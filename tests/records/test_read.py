@@ -164,7 +164,7 @@ def test_our_own_matlab_and_netcdf_files_are_records_too(tmp_path):
         assert np.array_equal(rec["v"].values, run.v) and rec["velocity"].unit == "m/s" and rec["v"].axis_unit == "s"
 
 
-@pytest.mark.parametrize("version", ["4", "5"])
+@each_row("version", ["4", "5"])
 def test_matlab_versions_4_and_5_are_read(tmp_path, version):
     from scipy.io import savemat
 
@@ -307,7 +307,7 @@ def test_the_vibrometer_file_has_no_units_and_says_so():
 
 
 @needs_data
-@pytest.mark.parametrize("which", CYLINDER)
+@each_row("which", CYLINDER)
 def test_the_cylinder_files_have_no_headings(which):
     rec = ss.read(path(CYLINDER[which][0]))
     assert list(rec.channels) == [f"column {i}" for i in range(2, 8)] and all(c.unit is None for c in rec.channels.values())

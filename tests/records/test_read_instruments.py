@@ -91,7 +91,7 @@ X_Value\tForce\tVelocity\tComment
 """
 
 
-@pytest.mark.parametrize("columns", ["One", "No"])
+@each_row("columns", ["One", "No"])
 def test_labview_files_have_times_and_units(tmp_path, columns):
     path = tmp_path / "run.lvm"
     lines = [f"{f'{0.01 * i:.6f}' if columns == 'One' else ''}\t{i}.000000\t{v:.6f}\t" for i, v in enumerate(V)]
@@ -118,7 +118,7 @@ def test_names_of_more_columns_than_there_are_name_none(tmp_path):
     assert not {"set", "low"} & set(rec) and any("its names are not used" in note for note in rec.notes)
 
 
-@pytest.mark.parametrize("stamped", [False, True])
+@each_row("stamped", [False, True])
 def test_columns_of_words_are_left_out_and_said(tmp_path, stamped):
     """A log with remarks before it, the state of the logger in each row, and a value that is missing."""
     path = tmp_path / "run.csv"

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.basics.errors import InputError
 from stickslip.show.cli import main
 
@@ -19,7 +20,7 @@ def files(tmp_path_factory):
     return place
 
 
-@pytest.mark.parametrize("kind", ["csv", "nc", "mat"])
+@each_row("kind", ["csv", "nc", "mat"])
 def test_a_run_that_we_wrote_is_read_back_with_its_numbers_units_and_roles(files, kind):
     run = ss.load(files / "run.nc")
     rec = ss.read(files / f"run.{kind}")
@@ -66,7 +67,7 @@ def test_a_name_says_more_than_a_unit_and_what_is_typed_most():
         ss.Record.of(t, {"a [m/s]": t, "b [m/s]": t})["velocity"]
 
 
-@pytest.mark.parametrize("channels", [("velocity",), ("velocity", "drive", "force"), ("position", "absolute velocity", "acceleration")])
+@each_row("channels", [("velocity",), ("velocity", "drive", "force"), ("position", "absolute velocity", "acceleration")])
 def test_a_record_that_is_saved_comes_back(tmp_path, channels):
     rec = ss.virtual_rig(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), noise=1e-4, seed=2, channels=channels)
     again = ss.read(rec.save(tmp_path / "rig.csv"))

@@ -8,6 +8,7 @@ import pytest
 from scipy.io import loadmat
 
 import stickslip as ss
+from rows import each_row
 from stickslip.show.cli import main
 
 DIGITS = 1e-15  # openpyxl writes 16 digits: the last may be off by a half
@@ -38,7 +39,7 @@ def test_columns_of_parts_stand_apart_in_tables():
         assert np.array_equal(frame[f"x.{name}"], chain.x[:, i])
 
 
-@pytest.mark.parametrize("write", [lambda run, path: run.to_excel(path), lambda run, path: run.save(path), ss.studies.export])
+@each_row("write", [lambda run, path: run.to_excel(path), lambda run, path: run.save(path), ss.studies.export])
 def test_a_workbook_of_a_run_has_units_in_its_head_and_says_what_ran(run, write, tmp_path):
     head, rows, about = read_xlsx(write(run, tmp_path / "run.xlsx"))
     assert head[:3] == ["t [s]", "x [m]", "v [m/s]"]

@@ -17,7 +17,7 @@ GOLDEN = ROOT / "tests" / "golden"
 NUMBERS = json.loads((GOLDEN / "numbers.json").read_text())
 
 
-@pytest.mark.parametrize("name", sorted(name for name in NUMBERS if name.startswith("run-")))
+@each_row("name", sorted(name for name in NUMBERS if name.startswith("run-")))
 def test_a_run_of_an_earlier_version_is_loaded_with_its_numbers(name):
     run, said = ss.load(GOLDEN / name), NUMBERS[name]
     assert run.x[-1] == pytest.approx(said["x"], rel=1e-12) and run.v[-1] == pytest.approx(said["v"], rel=1e-12)
@@ -40,7 +40,7 @@ def test_a_robot_of_an_earlier_version_is_read():
     assert ss.Robot.from_toml((GOLDEN / "robot.toml").read_text()) == ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4)
 
 
-@pytest.mark.parametrize("name", sorted(name for name in NUMBERS if name.startswith(("study-", "grid-"))))
+@each_row("name", sorted(name for name in NUMBERS if name.startswith(("study-", "grid-"))))
 def test_a_study_of_an_earlier_version_is_opened_from_its_folder_and_from_its_file(name):
     grid = ss.open_study(GOLDEN / name)
     np.testing.assert_allclose(grid.mean_velocity, NUMBERS[name]["mean_velocity"], rtol=1e-12)

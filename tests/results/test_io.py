@@ -40,7 +40,7 @@ def own_law_run():
     return Trajectory(robot, pieces, 1, 0, 1e-6, "by hand", start={"v": 1.0, "z": np.float64(1.0)}, counts={"steps": np.int64(3)})
 
 
-@pytest.mark.parametrize("make", [lambda: coulomb_run(unit_robot(0.7, 0.9), 6), own_law_run])
+@each_row("make", [lambda: coulomb_run(unit_robot(0.7, 0.9), 6), own_law_run])
 def test_a_run_comes_back_bit_by_bit(make, tmp_path):
     run = make()
     same = ss.load(run.save(tmp_path / "run.nc"), laws=[Bristles])

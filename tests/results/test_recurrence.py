@@ -67,7 +67,7 @@ def test_spirals_onto_a_doubled_motion_have_its_period_and_no_multiple(tolerance
     assert set(found) <= {0, 2} and found.count(2) > 90
 
 
-@pytest.mark.parametrize("q", [3, 4, 5])
+@each_row("q", [3, 4, 5])
 def test_slow_spirals_beside_a_resonance_have_no_period_of_it(q):
     """Multipliers r exp(+-2 pi i (1/q + small)): points q apart agree long before the spiral has closed in on its fixed point."""
     angle, r = 2 * np.pi * (1 / q + 1e-4), 0.9995

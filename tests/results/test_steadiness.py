@@ -54,7 +54,7 @@ def test_a_run_that_has_not_settled_says_so_and_what_to_type(weakly_damped):
     assert weakly_damped.steadiness.error == pytest.approx(abs(weakly_damped.steadiness.mean_velocity - true), rel=0.2)
 
 
-@pytest.mark.parametrize("law", ["coulomb", "coulomb-static", "lugre"])
+@each_row("law", ["coulomb", "coulomb-static", "lugre"])
 def test_where_a_note_recommends_the_steady_motion_itself_there_is_one(law):
     """Robots from little friction to much, after few periods and after many: what the note says is typed, and gives a number."""
     recommended = 0

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from runs import coulomb_run, unit_robot
 from stickslip.basics.batch import Labels
 from stickslip.results.datasets import COLUMNS
@@ -114,7 +115,7 @@ def test_two_inner_states_stay_two():
     assert two.z.shape == (401, 2) and two.strobe_z.shape == (2, 2)
 
 
-@pytest.mark.parametrize("kind", ["harmonic", "polynomial"])
+@each_row("kind", ["harmonic", "polynomial"])
 def test_pieces_come_back_from_their_arrays(kind, run):
     pieces = run.pieces if kind == "harmonic" else PolynomialPieces(np.array([0.0, 1.0]), np.array([1]), np.zeros(1), np.ones((1, 2, 3)))
     again = pieces_from_arrays(kind, pieces.arrays())

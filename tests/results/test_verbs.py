@@ -79,7 +79,7 @@ def test_options_of_records_are_refused_of_runs():
             function(run, **option)
 
 
-@pytest.mark.parametrize("suffix", [".nc", ".xlsx", ".mat", ".csv"])
+@each_row("suffix", [".nc", ".xlsx", ".mat", ".csv"])
 def test_a_batch_is_saved_in_every_format(suffix, tmp_path):
     many = MAKERS["batch"]()
     path = many.save(tmp_path / f"many{suffix}")

@@ -11,6 +11,7 @@ import pytest
 
 import stickslip as ss
 from pairs import each_once
+from rows import each_row
 from stickslip.basics.status import STATUS, Status
 from stickslip.maths import maximum, minimum, where
 from stickslip.solvers import stepping
@@ -40,7 +41,7 @@ class Pulled(ss.Machine):
         return {"body": ss.Contact("body", self.friction, load=1.0)}
 
 
-@pytest.mark.parametrize(("rate", "stiffness"), each_once([1e-6, 1e-8, 1e-10], [1e3, 1e4]))
+@each_row(("rate", "stiffness"), each_once([1e-6, 1e-8, 1e-10], [1e3, 1e4]))
 def test_a_body_breaks_away_where_rounding_hides_the_sign_of_its_acceleration(stiffness, rate):
     # m x'' + c x' + k (x - x0) = rate t after break-away at t = 0, c = 2 sqrt(k m): after the transient x lags the force by c/k
     T = 10.0

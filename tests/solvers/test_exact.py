@@ -67,7 +67,7 @@ def test_a_long_run_settles_on_the_closed_form(robot, type_):
     assert str(p.type) == type_
 
 
-@pytest.mark.parametrize("tilt_deg, amplitude", [(1.7, 0.5525e-3), (2.7, 0.6032e-3), (4.7, 0.4564e-3), (5.7, 1.487e-3)])
+@each_row("tilt_deg, amplitude", [(1.7, 0.5525e-3), (2.7, 0.6032e-3), (4.7, 0.4564e-3), (5.7, 1.487e-3)])
 def test_an_incline_folded_into_coulomb_friction_is_the_true_incline(tilt_deg, amplitude):
     folded, true = (raw_of(rig(tilt_deg, amplitude, incline=kind)) for kind in ("folded", "gravity"))
     assert true["V"] == pytest.approx(folded["V"], rel=1e-12)
@@ -121,7 +121,7 @@ def test_static_friction_known_value():  # T11
 # traps ------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("offset", [-3e-16, 0.0, 3e-16, -1e-13, 1e-13])
+@each_row("offset", [-3e-16, 0.0, 3e-16, -1e-13, 1e-13])
 def test_a_body_that_grazes_zero_neither_chatters_nor_jumps(offset):
     """w comes down to 0 (or to a little above or below) just where it would start again, sin(tau) = r."""
     r = 0.3

@@ -55,13 +55,13 @@ def test_two_reversals_within_one_step_are_both_found(method, gap):
     assert [e.t for e in run.events] == pytest.approx([1 - math.sqrt(gap), 1 + math.sqrt(gap)], abs=1e-12 / math.sqrt(gap))
 
 
-@pytest.mark.parametrize("gap", [1e-4, 1e-10])
+@each_row("gap", [1e-4, 1e-10])
 def test_a_velocity_that_only_comes_close_to_zero_makes_no_event(gap):
     run = plain(Pushed(ss.Coulomb(0.0, 0.0), (-2.0, 2.0)), duration=3.0, start={"v": 1.0 + gap})
     assert run.events == [] and run.v.min() >= gap * (1 - 1e-4)
 
 
-@pytest.mark.parametrize("over", [1e-3, 1e-8, 1e-12])
+@each_row("over", [1e-3, 1e-8, 1e-12])
 def test_a_force_that_hardly_exceeds_break_away_is_not_missed(over):
     """The offered force .2 (1 + over) - .2 (t - 1)^2 passes the limit .2 for 2 sqrt(over) seconds only."""
     run = plain(Pushed(COULOMB, (0.2 * over, 0.4, -0.2)), duration=1.5)
@@ -346,7 +346,7 @@ def test_a_run_is_as_good_between_steps_as_the_integrator_says(method):
     assert missed[1] < 10 * missed[0]
 
 
-@pytest.mark.parametrize("method", ["dop853", "radau", "lsoda", "bdf"])
+@each_row("method", ["dop853", "radau", "lsoda", "bdf"])
 def test_breaks_are_not_stepped_over(method):
     """Without friction and jolts the body goes the drive's way: v = -xi'/4, a triangle in each period."""
     run = plain(jolted(0.0, push=4.0, mu=(0.0, 0.0)), periods=2, method=method, rtol=1e-10)

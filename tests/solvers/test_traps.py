@@ -101,7 +101,7 @@ def test_a_body_stops_and_breaks_away_at_one_and_the_same_instant(arcs):
     assert run.strobe_x == pytest.approx([0.0, *(float(x) for x, _ in twin.strobes)], abs=1e-15 * 2 * np.pi * 10)
 
 
-@pytest.mark.parametrize("late", [-1e-9, -1e-13, 0.0, 1e-13, 1e-9])
+@each_row("late", [-1e-9, -1e-13, 0.0, 1e-13, 1e-9])
 def test_a_body_comes_to_rest_at_the_instant_of_an_impulse(late):
     """It slides u2-phase long, t2 = J/(mu g), and is thrown again at that instant: J = mu (u1 + u2)."""
     ratio, g, (u1, u2), (plus, minus) = 0.1315, 9.81, (0.05, 0.4), (0.15, 0.25)
@@ -192,7 +192,7 @@ def test_a_velocity_that_grazes_zero_rests_or_does_not(arcs, above):
     assert times(run) == pytest.approx(instants, abs=2e-15 / math.sqrt(abs(above)) + 1e-13)
 
 
-@pytest.mark.parametrize("missing", [1e-6, 1e-9, 1e-12])
+@each_row("missing", [1e-6, 1e-9, 1e-12])
 def test_a_thousand_periods_of_the_smallest_slips_are_the_same_by_both_arcs(missing):
     """mu = 1 - missing: in each period a slip of 9 sqrt(2 missing)/2 seconds and 4.5 missing^2 metres, and none is missed."""
     robot = unit(dry(1 - missing, 1.2))
@@ -348,7 +348,7 @@ each_law = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
 
 
 @each_law
-@pytest.mark.parametrize("b", [1 + 1e-8, 1.01, 1.5, 4.0])
+@each_row("b", [1 + 1e-8, 1.01, 1.5, 4.0])
 def test_contact_is_lost_where_the_load_falls_to_zero(law, b):
     """sin(omega t + phase) = -1/b. Under a law with inner states the load's zero is found to some 1e-11 of the load, by its slope."""
     run, digits = ss.solve(lifted(b, law), periods=5), 3e-16 if hasattr(law, "sliding") else 2e-11

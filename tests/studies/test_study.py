@@ -17,6 +17,7 @@ import xarray as xr
 
 import stickslip as ss
 from pairs import each_once
+from rows import each_row
 from stickslip.basics.errors import StickslipError
 from stickslip.show.cli import main
 from stickslip.studies import folder as folders
@@ -160,7 +161,7 @@ def test_shards_may_share_a_folder(whole, tmp_path):
     assert files(tmp_path / "study") == files(whole)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("change", "told"),
     [
         (dict(tilt_deg=1.8), "tilt_deg was 1.7, now it is 1.8"),
@@ -248,7 +249,7 @@ class Slope:
 WRITTEN = {"SLIDING": "self.mu * load", "DRIVEN": "-self.amplitude * self.omega**2 * sin(self.omega * t)", "PRESSED": "gravity"}
 
 
-@pytest.mark.parametrize(("changed", "inside"), each_once(WRITTEN, [False, True]))
+@each_row(("changed", "inside"), each_once(WRITTEN, [False, True]))
 def test_other_equations_of_a_part_of_ones_own_are_another_study(tmp_path, changed, inside):
     """Of a law, a drive or a track, alone or inside one of ours, and of what a class inherits; other words for them are not."""
     from stickslip.studies.model_identity import ModelIdentities

@@ -205,7 +205,7 @@ def test_zipped_axes_are_the_diagonal_of_the_grid():
         assert np.array_equal(line.mean_velocity.values[i], grid.mean_velocity.values[i, i])
 
 
-@pytest.mark.parametrize("make", [ss.designs.sobol, ss.designs.latin_hypercube], ids=["sobol", "latin"])
+@each_row("make", [ss.designs.sobol, ss.designs.latin_hypercube], ids=["sobol", "latin"])
 def test_a_random_design_is_made_again_by_its_seed(make):
     design = make(16, seed=3, amplitude=(1e-4, 8e-4), mu0=(0.05, 0.5, "log"))
     grid = sweep(RIG, design, tilt_deg=1.0, law="coulomb")
@@ -241,7 +241,7 @@ def test_what_is_wrong_with_a_design_is_told():
             bad()
 
 
-@pytest.mark.parametrize("shard", [None, "2/2"])
+@each_row("shard", [None, "2/2"])
 def test_an_error_of_every_case_is_raised_with_a_folder_too(tmp_path, shard):
     def maker(mu):
         return RIG(tilt_deg=0.0, amplitude=6e-4).replace(friction=Broken(mu=mu))
@@ -319,7 +319,7 @@ def test_each_case_starts_where_its_neighbour_ended(kind, law):
         start |= {} if end["z"] is None else {"z": end["z"]}
 
 
-@pytest.mark.parametrize("law", ["coulomb", "coulomb-static", "lugre"])
+@each_row("law", ["coulomb", "coulomb-static", "lugre"])
 def test_power_is_told_whatever_the_start_and_the_window(law):
     axes = dict(amplitude=[4e-4, 7.7e-4], tilt_deg=1.7, law=law)
     followed, alone = sweep(RIG, **axes, continue_along="amplitude"), sweep(RIG, **axes)

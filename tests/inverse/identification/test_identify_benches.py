@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.basics import interruption
 from stickslip.inverse.identification import sampling
 
@@ -155,7 +156,7 @@ def test_weights_count_as_repeats_and_zero_leaves_a_sample_out():
     assert set(within(plain, LOOP_TRUTH, errors=3.0)) or plain.errors["mu_plus"] > 5 * without.errors["mu_plus"]
 
 
-@pytest.mark.parametrize("loss", ["huber", "bisquare"])
+@each_row("loss", ["huber", "bisquare"])
 def test_outliers_do_not_move_a_robust_fit(loss):
     rec, bad = loop(0.1)
     fit = ss.identify(rec, ss.CoulombViscous, load=10.0, free=LOOP, sensor={}, starts=4, loss=loss)

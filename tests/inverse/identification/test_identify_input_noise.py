@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.inverse.identification.measured_motion import motion_behind
 from stickslip.inverse.identification.smoothing import channel, smoothed
 
@@ -128,7 +129,7 @@ def test_a_short_log_by_an_encoder_of_few_counts_is_fitted_over_shorter_windows(
     assert fit.errors["inertia"] < 0.1 * 0.012 and fit.errors["gravity_torque"] < 0.1 * 0.3
 
 
-@pytest.mark.parametrize(("counts", "samples"), [(12, 200), (64, 50)])
+@each_row(("counts", "samples"), [(12, 200), (64, 50)])
 def test_a_log_with_too_few_edges_says_what_would_do(counts, samples):
     """Between them the joint was taken to rest: its friction came out five times too large, with a narrow interval."""
     with pytest.raises(ss.InputError, match=r"angle changes \d+ times in \d+ samples.* a longer record, longer strokes or a finer encoder"):

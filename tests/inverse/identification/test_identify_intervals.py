@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.inverse.identification.covariance import information_of, noise_sizes
 from stickslip.inverse.identification.law_forces import driven_force
 from stickslip.inverse.identification.motions import PrescribedMotion
@@ -42,7 +43,7 @@ def error():
     return fitted_late(0.205).errors["a"]
 
 
-@pytest.mark.parametrize("away", [1.5, 1.7, 1.9])
+@each_row("away", [1.5, 1.7, 1.9])
 def test_an_interval_goes_on_over_a_shoulder_that_is_lower_than_the_level_allows(error, away):
     """The sum of squares rises by less than 1.96² standard errors up to where the number does nothing, and no more from there on."""
     fit = fitted_late(0.2 + away * error)

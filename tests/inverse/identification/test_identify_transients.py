@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.basics.errors import InputError
 from stickslip.inverse.identification.bootstrapping import _resampled_problem, bootstrap
 from stickslip.inverse.identification.search import polished
@@ -96,7 +97,7 @@ def test_the_bootstrap_of_a_force_is_one_batch():
     assert low < 0.3 < high
 
 
-@pytest.mark.parametrize("missing", [slice(500, 1700), slice(700, 1900)])
+@each_row("missing", [slice(500, 1700), slice(700, 1900)])
 def test_missing_samples_are_no_transient(missing):
     whole = ss.virtual_rig(rig(law="coulomb", tilt_deg=1.7, amplitude=5e-4), noise=1e-4, seed=1)
     v = whole["velocity"].values.copy()

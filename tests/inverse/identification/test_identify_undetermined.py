@@ -78,7 +78,7 @@ def test_masses_of_which_only_the_ratio_moves_anything_are_not_determined(fit):
     assert ratio == pytest.approx(9.48 / 72.07, rel=1e-2)
 
 
-@pytest.mark.parametrize(("method", "options"), [("covariance", {}), ("bootstrap", {"repeats": 4})])
+@each_row(("method", "options"), [("covariance", {}), ("bootstrap", {"repeats": 4})])
 def test_intervals_of_what_is_not_determined_are_open(fit, method, options):
     """They end where the search did."""
     assert fit.interval("body_mass", method=method, **options) == MASSES["body_mass"]
@@ -142,7 +142,7 @@ def test_the_command_says_not_determined(record, tmp_path, capsys):
 # modes ------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("lines", "known"), [(3, False), (4, False), (25, True)])
+@each_row(("lines", "known"), [(3, False), (4, False), (25, True)])
 def test_a_peak_of_few_lines_determines_no_mode(lines, known):
     """A mode and what lies beside it are eight numbers: four complex lines are met by many, and leave nothing to tell the noise."""
     f, rng = np.linspace(9.5, 10.5, lines), np.random.default_rng(1)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.basics.number_names import numbers_meant
 from stickslip.dynamics.derivatives.sensitivity import directions_of
@@ -61,7 +62,7 @@ def _richardson(robot, name, step):
     return (4 * (V[2] - V[3]) / step - (V[0] - V[1]) / (2 * step)) / 3
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("robot", "tolerance"),
     [(MODULE, 1e-7), (ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4), 1e-5)],
     ids=["exact", "LuGre"],

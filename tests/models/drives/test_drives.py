@@ -319,7 +319,7 @@ INSTANTS = {
 }
 
 
-@pytest.mark.parametrize(("what", "which"), each_once(["position", "velocity", "acceleration"], INSTANTS))
+@each_row(("what", "which"), each_once(["position", "velocity", "acceleration"], INSTANTS))
 def test_a_record_gives_back_its_harmonics(what, which):
     t = INSTANTS[which]
     drive = ss.drives.Recorded.from_samples(t, **{what: getattr(TRUE, what)(t)}, period=T)
@@ -564,7 +564,7 @@ def test_a_file_takes_nothing_that_the_constructor_does_not_take():
         ss.Robot.from_toml(f"{BODY}[robot.drive]\nkind = 'harmonic'\namplitude = 1e-3\nfrequency = 30.0\nomega = 3.0\n")
 
 
-@pytest.mark.parametrize(("W", "V"), [(60.0, 0.043993752547554), (200.0, None)])
+@each_row(("W", "V"), [(60.0, 0.043993752547554), (200.0, None)])
 def test_the_verge_gait_is_as_fast_as_its_formula_and_faster_than_three_phases(W, V):
     drive = ss.drives.Pieces.verge(acceleration=W, stroke=0.01, mass_ratio=MU, mu_plus=PLUS, mu_minus=MINUS)
     p = MINUS / (PLUS + MINUS)
@@ -593,7 +593,7 @@ def test_a_sawtooth_is_two_phases_by_their_durations():
     assert V == ss.mean_velocity(ss.solve(rig(two), periods=20)) == pytest.approx(0.003305, abs=1e-11)
 
 
-@pytest.mark.parametrize("share", [6e-13, 1e-13])
+@each_row("share", [6e-13, 1e-13])
 def test_a_piece_of_hardly_any_time_changes_hardly_anything(share):
     """Its break and the next one count as one instant, behind which the last piece holds: V is as if the first were longer by so little."""
     T, first, second = 0.05, -13.55, -39.9

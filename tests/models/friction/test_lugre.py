@@ -121,7 +121,7 @@ def test_energy_closes_to_1e6_by_default(name):
     assert ss.energy(ss.solve(lugre(name))).worst <= 1e-6
 
 
-@pytest.mark.parametrize("name", ["P8 .03", "P8 .04"])
+@each_row("name", ["P8 .03", "P8 .04"])
 def test_energy_residual_of_stiff_robots_falls_with_the_tolerance(name):
     """An error per step of rtol over N steps, N growing as rtol^(-1/5): the residual falls nearly like rtol, at least as rtol^(4/5)."""
     worst = [ss.energy(ss.solve(lugre(name), periods=40, rtol=rtol)).worst for rtol in (1e-5, 1e-7)]

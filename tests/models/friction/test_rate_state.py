@@ -12,12 +12,13 @@ from scipy.optimize import brentq
 
 import stickslip as ss
 from models.friction.test_laws import integrated
+from rows import each_row
 
 ROCK = ss.friction.RateState(mu0=0.6, a=0.010, b=0.015, Dc=1e-5, v0=1e-6)
 END = 3300.0  # s, of four earthquakes
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("evolution", "phi"),
     [  # of a step from v0 to v: the age goes from Dc/v0 to Dc/v as exp(-x/Dc); the logarithm of v theta/Dc falls as exp(-x/Dc)
         ("aging", lambda r, x: math.log(1 / r + (1 - 1 / r) * math.exp(-x))),
@@ -51,7 +52,7 @@ def test_a_slider_is_stable_above_its_critical_stiffness_and_not_below(evolution
         assert (np.trace(A) > 0) == (part < 1)
 
 
-@pytest.mark.parametrize("evolution", ["aging", "slip"])
+@each_row("evolution", ["aging", "slip"])
 def test_a_contact_that_nobody_has_moved_is_in_the_state_of_steady_sliding_at_the_reference_speed(evolution):
     law = ROCK.replace(evolution=evolution)
     assert law.rate(law.v0, law.start(10.0), 10.0) == pytest.approx(0.0, abs=1e-12 * law.v0 / law.Dc)

@@ -118,7 +118,7 @@ def test_the_judge_agrees_on_feet_that_move_alike():
     assert np.max(abs((x[:, 0] - x[:, 2]) - (x[0, 0] - x[0, 2]))) < 1e-15  # the first and the last foot are one
 
 
-@pytest.mark.parametrize("preset", [ss.presets.two_modules, ss.presets.worm])
+@each_row("preset", [ss.presets.two_modules, ss.presets.worm])
 def test_presets_of_chains_have_the_numbers_that_they_name(preset):
     names = [name for name in inspect.signature(preset).parameters if name != "count"]
     for name in names:

@@ -9,6 +9,7 @@ import every
 import problems
 import stickslip as ss
 from parts_of_runs import columns_of, solved
+from rows import each_row
 from stickslip.basics.coded_words import CodedWords
 from stickslip.maths import pi
 from stickslip.models.machine_adapter import machine_of
@@ -50,7 +51,7 @@ def compared(machine, periods, **options):
     return many, run, worst, words, means
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("machine", "periods", "rtol"),
     [(ss.Chain.example(), 60, 1e-6), (LUGRE, 30, 1e-6), (problems.CAPSULE_3, 60, 1e-6), (problems.Worm(0.2, 0.3, 5.0), 20, 1e-6)],
     ids=["chain", "LuGre", "hits", "prescribed distances"],

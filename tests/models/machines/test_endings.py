@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.basics.fields import leaves
 from stickslip.basics.status import Status
 
@@ -78,7 +79,7 @@ def test_two_bodies_that_both_rub_go_on_together(restitution):
     assert 2 * run.v[-1, 0] == pytest.approx(alone * hit + 2 * together * (1.0 - hit), rel=1e-9)
 
 
-@pytest.mark.parametrize("push, ends", [(0.9, 0.0), (1.1, (1.1 - 2 * 0.5) / (2 * MASS))])
+@each_row("push, ends", [(0.9, 0.0), (1.1, (1.1 - 2 * 0.5) / (2 * MASS))])
 def test_one_body_helps_another_to_rest(push, ends):
     """Each holds mu N = 0.5 N: 0.9 N against both rest, and the stop bears what the pushed one cannot; 1.1 N move both."""
     law = ss.Coulomb(MU, MU)

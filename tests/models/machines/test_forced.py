@@ -100,7 +100,7 @@ def test_hits_impulses_and_forces_of_each_stop_are_columns():
     assert int(grid.hits[1, 1]) >= 1 and float(grid.stop_force_max[1, 1]) > 0 and np.isnan(grid.stop_force_max[1, 0])
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("reaction", "track"),
     each_once([True, False], [ss.Level(), ss.Incline(tilt=0.05), ss.tracks.VaryingFriction(ss.Incline(tilt=-0.02), depth=0.3)]),
 )
@@ -284,7 +284,7 @@ def test_a_start_beyond_a_stop_is_refused():
         ss.solve(C3, periods=2, start={"x": {"inner": 0.6}})
 
 
-@pytest.mark.parametrize("name", ["capsule", "capsubot"])
+@each_row("name", ["capsule", "capsubot"])
 def test_a_study_file_begins_with_a_preset(name, tmp_path, capsys):
     """`stickslip init` writes stops and forces as tables of their own, and `stickslip run` reads them."""
     from stickslip.show.cli import main

@@ -11,6 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import stickslip as ss
+from rows import each_row
 from stickslip.basics.fields import leaves
 
 J, FK, FS = 0.01, 0.02, 0.03
@@ -100,7 +101,7 @@ def test_equal_static_and_kinetic_friction_does_not_hunt():
     assert abs(0.5 - run.x[-1]) < 0.2 * max(abs(0.5 - run.x[run.t > 1.0]))
 
 
-@pytest.mark.parametrize("start", [-1.0, 0.1, 0.49, 2.0])
+@each_row("start", [-1.0, 0.1, 0.49, 2.0])
 def test_without_integral_it_stands_still_within_the_stick_band(start):
     pd = HUNTING.replace({"control.ki": 0.0})
     run = ss.solve(pd, duration=5.0, start={"x": {"joint": start}})
@@ -253,7 +254,7 @@ def ends(joint, name, value, at=None, **how):
     return np.array([run.v[k], *(run.controllers["control"][state][k] for state in ("torque", "integral", "error")), run.x[k]])
 
 
-@pytest.mark.parametrize("name", ["control.kp", "control.ki", "control.kd", "inertia", "friction.mu_plus", "control.target.amplitude"])
+@each_row("name", ["control.kp", "control.ki", "control.kd", "inertia", "friction.mu_plus", "control.target.amplitude"])
 def test_derivatives_of_a_sampled_run_are_those_of_differences(name):
     joint, how = sampled(), {"periods": 3, "at": 4.0}  # after the sample at the end of the second period
     found = ss.dynamics.sensitivity(ss.solve(joint, periods=2), wrt=name)

@@ -11,12 +11,13 @@ import pytest
 import problems
 import stickslip as ss
 from models.machines.test_several_bodies import assert_phases, last_period
+from rows import each_row
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_map
 
 ROWS = {**problems.COUPLED, **problems.MASSES}
 
 
-@pytest.mark.parametrize("row", ROWS)
+@each_row("row", ROWS)
 def test_exact_runs_have_the_reference_numbers(row):
     machine, periods, velocity, tolerance, events = ROWS[row]
     run = ss.solve(machine, periods=2 * periods)
@@ -136,7 +137,7 @@ def test_the_power_of_two_modules_in_antiphase():
     assert power / ss.mean_velocity(run) / weight == pytest.approx(0.522813389, rel=1e-8)  # cost of transport
 
 
-@pytest.mark.parametrize("phase", [0.0, 1.0, math.pi])
+@each_row("phase", [0.0, 1.0, math.pi])
 def test_a_pair_starts_where_either_module_alone_would(phase):
     """M2w: at rest with a relaxed spring the border is that of one module, mu+ P g / (m omega^2), at any phase."""
     border = 0.15 * (problems.BODY + problems.INNER) * 9.81 / (problems.INNER * (65.4 * math.pi) ** 2)

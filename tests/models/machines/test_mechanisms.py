@@ -174,7 +174,7 @@ def test_what_a_run_without_period_or_drive_does_not_have_says_so():
     assert set(run.to_xarray().data_vars) == {"x", "v", "mode", "acceleration", "friction_force"}
 
 
-@pytest.mark.parametrize("method", ["exact", "dop853"])
+@each_row("method", ["exact", "dop853"])
 def test_a_duration_cuts_a_periodic_run(method):
     robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb")
     end = 3.4 * robot.period

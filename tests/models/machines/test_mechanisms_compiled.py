@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.analysis.oscillators import belt_period, den_hartog_amplitude
 from stickslip.analysis.phases import three_phase, two_phase
 
@@ -45,7 +46,7 @@ def test_free_decay_loses_two_friction_lengths_in_each_half_swing():
     assert run.events[-1].kind == "stick" and run.v[-1] == 0.0
 
 
-@pytest.mark.parametrize("numbers", [{}, {"mass": 0.3, "stiffness": 40.0, "speed": 0.02}, {"speed": -0.1}])
+@each_row("numbers", [{}, {"mass": 0.3, "stiffness": 40.0, "speed": 0.02}, {"speed": -0.1}])
 def test_the_block_on_the_belt_sticks_and_slips_as_long_as_it_should(numbers):
     """O3 for the first: 7.6112592541013 s."""
     bench = belt.replace(**numbers)
@@ -66,7 +67,7 @@ def test_a_pulled_mass_is_a_block_on_a_belt_seen_from_the_pulled_end():
     assert [e.t for e in pulled.events] == pytest.approx([e.t for e in seen.events], abs=1e-12) and len(seen.events) > 4
 
 
-@pytest.mark.parametrize(("bench", "duration"), [(oscillator(0.3, damping=0.1, bias=0.1, force=2.5), None), (belt, 40.0), (pull, 40.0)])
+@each_row(("bench", "duration"), [(oscillator(0.3, damping=0.1, bias=0.1, force=2.5), None), (belt, 40.0), (pull, 40.0)])
 def test_energy_balances(bench, duration):
     run = exact(bench, **({"periods": 8} if duration is None else {"duration": duration}), start={"x": 0.25, "v": 0.1})
     balance = ss.energy(run)
@@ -77,7 +78,7 @@ def rig(drive, mu=(0.15, 0.25), ratio=0.1315):
     return ss.Robot(body_mass=1 - ratio, inner_mass=ratio, drive=drive, friction=ss.Coulomb(*mu, *mu))
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("u1", "u2", "velocity"),
     [(0.1, 0.1, 0.000470057764186), (0.05, 0.4, 0.003305), (0.4, 0.05, None)],
     ids=["rests twice", "slides on", "back"],
@@ -93,7 +94,7 @@ def test_two_phase_drives_move_as_on_paper(u1, u2, velocity):
     assert jumps == pytest.approx(sorted([k + u2 / (u1 + u2) for k in range(8)] + list(range(1, 8))), abs=1e-14)
 
 
-@pytest.mark.parametrize("numbers", [(10.0, 60.0, 12.0), (17.0, 90.0, 18.0), (12.0, 1e3, 18.0)])
+@each_row("numbers", [(10.0, 60.0, 12.0), (17.0, 90.0, 18.0), (12.0, 1e3, 18.0)])
 def test_three_phase_drives_move_as_on_paper(numbers):
     """D3 for the first: 0.015990705704 m/s."""
     drive = ss.drives.ThreePhase(u1=0.3, w1=numbers[0], w2=numbers[1], w3=numbers[2])

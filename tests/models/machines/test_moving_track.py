@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.maths import sin, where
 from stickslip.models.drives.shifted import Shifted
 
@@ -226,9 +227,7 @@ def test_stages_with_inner_states_agree_with_the_judge(law):
 
 
 # ---- doors -----------------------------------------------------------------------------------------------------------
-@pytest.mark.parametrize(
-    "track", [ss.presets.stick_slip_stage(force=-0.1), ss.presets.conveyor(throw_index=2.5, tilt_deg=2.0)], ids=["stage", "conveyor"]
-)
+@each_row("track", [ss.presets.stick_slip_stage(force=-0.1), ss.presets.conveyor(throw_index=2.5, tilt_deg=2.0)], ids=["stage", "conveyor"])
 def test_a_track_comes_back_from_its_toml_and_its_run_from_a_file(track, tmp_path):
     assert ss.MovingTrack.from_toml(track.to_toml()) == track
     run = ss.solve(track, periods=4)

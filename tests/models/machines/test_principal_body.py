@@ -9,6 +9,7 @@ import pytest
 
 import stickslip as ss
 from every import DRY, STICTION, Capsule
+from rows import each_row
 from stickslip.results.datasets import trajectory_columns
 from stickslip.show.reports import run_page
 from stickslip.show.reports.facts import facts
@@ -56,7 +57,7 @@ def test_columns_of_a_run_are_those_of_the_principal_body_and_its_contact(runs):
     assert [event.t for event in named.events] == [event.t for event in plain.events]
 
 
-@pytest.mark.parametrize("shape", [(), (3,), (2, 2)])
+@each_row("shape", [(), (3,), (2, 2)])
 def test_at_answers_in_the_shape_of_its_times(runs, shape):
     named, plain = runs
     t = np.linspace(0.1, 0.3, int(np.prod(shape))).reshape(shape)

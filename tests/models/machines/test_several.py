@@ -41,7 +41,7 @@ def test_the_states_have_names():
     assert StateLayout.of_one(2, knows_position=True).names == ("v", "z.0", "z.1", "x")
 
 
-@pytest.mark.parametrize("piece", [0, 1, 2])
+@each_row("piece", [0, 1, 2])
 def test_positions_are_ways_and_what_is_added_to_them(piece):
     """Against NumPy's polynomials, integrated from the start of the piece."""
     c = coefficients()
@@ -193,7 +193,7 @@ def test_events_at_one_instant_are_one_for_each_part_in_order():
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("jump", "thrown"),
     [(0.2, ["head", "tail", "belt"]), ([0.2, 0.0], ["head", "belt"]), ([0.2, 0.2], ["head", "tail"]), ([0.0, -0.1], ["tail", "belt"])],
 )

@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 
 import problems
 import stickslip as ss
+from rows import each_row
 from stickslip.maths import maximum, sin, where, within
 from stickslip.solvers.plain.deciding import decide
 from stickslip.solvers.plain.marching import marched
@@ -65,7 +66,7 @@ def random_block(rng, sort):
     return (g / masses) @ g.T, g @ (push / masses) + offsets, -limits[0], limits[1]
 
 
-@pytest.mark.parametrize("sort", ["single", "diagonal", "common", "box"])
+@each_row("sort", ["single", "diagonal", "common", "box"])
 def test_every_decision_satisfies_the_convex_problem(sort):
     """w' > 0 only at the upper limit, w' < 0 only at the lower, R within both: the conditions of the convex problem, whose w' is unique."""
     rng = np.random.default_rng(5)

@@ -20,7 +20,7 @@ def test_every_command_has_its_own_options():
     assert "--refine" in words["map"] and "--refine" not in words["run"] and "lugre" in words["laws"]
 
 
-@pytest.mark.parametrize("shell", SHELLS)
+@each_row("shell", SHELLS)
 def test_the_shell_accepts_its_script(shell, tmp_path):
     if shutil.which(shell) is None:
         pytest.skip(f"{shell} is not installed")

@@ -148,7 +148,7 @@ HOLDING = [name for name, law in EVERY.items() if not adapted(law).dynamic and a
 
 
 @needs_cc
-@pytest.mark.parametrize("name", HOLDING)
+@each_row("name", HOLDING)
 def test_a_body_under_the_c_step_of_a_set_valued_law_stops_and_stays(name: str, compiled: Any) -> None:
     c, mass, dt, v = compiled[name], 0.3, 1e-4, 0.05
     low, high = c.breakaway(LOAD)

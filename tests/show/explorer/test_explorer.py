@@ -264,7 +264,7 @@ def test_a_map_does_not_keep_the_curves_waiting(explorer):
                 assert header["channel"] == "curves"
 
 
-@pytest.mark.parametrize("values", [{"omega": 1.0, "amplitude": 0.0, "sigma0": 1e8}, {"omega": 1.0, "body_mass": 1e-4, "inner_mass": 1e-5}])
+@each_row("values", [{"omega": 1.0, "amplitude": 0.0, "sigma0": 1e8}, {"omega": 1.0, "body_mass": 1e-4, "inner_mass": 1e-5}])
 def test_a_run_that_would_take_too_long_is_refused_before_it_begins(explorer, values):
     with explorer.page() as socket:
         socket.send(curves(fine=True, values=values, also=[]))
@@ -286,7 +286,7 @@ class OwnBristle:
         return self.spring * z
 
 
-@pytest.mark.parametrize("load", [0.3, 3.0])
+@each_row("load", [0.3, 3.0])
 def test_effort_is_told_by_the_equations_of_a_law_and_not_by_names_of_its_numbers(load):
     robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=5e-4, body_mass=load / 10)
     known = effort(robot.replace(friction=ss.Dahl(0.15, 0.15, sigma0=4e5)))

@@ -270,7 +270,7 @@ def test_the_picture_moves_bodies_by_one_measure(browser, explorer):
     assert drawn / moved == pytest.approx(np.full((2, 2), (drawn / moved)[0, 0]), rel=1e-3)  # six digits of each displacement
 
 
-@pytest.mark.parametrize("width", [1200, 380])
+@each_row("width", [1200, 380])
 def test_bodies_have_their_names_and_numbers_of_several_parts_are_told_apart(browser, explorer, width):
     page = opened(browser, explorer, viewport={"width": width, "height": 800})
     names = page.locator(".stage text").evaluate_all("all => all.map(t => [t.textContent, t.getBoundingClientRect().left])")

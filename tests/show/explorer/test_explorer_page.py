@@ -154,7 +154,7 @@ def test_a_dragged_slider_changes_what_is_shown(page):
     assert page.merit("motion_type") == kind
 
 
-@pytest.mark.parametrize(("kind", "parts"), [("drive", DRIVES), ("track", TRACKS), ("contact", CONTACTS)])
+@each_row(("kind", "parts"), [("drive", DRIVES), ("track", TRACKS), ("contact", CONTACTS)])
 def test_every_choice_shows_the_parameters_that_it_takes(page, kind, parts):
     page.open()
     for name in parts:
@@ -504,7 +504,7 @@ def test_a_robot_given_to_the_command_is_on_the_page(page):
     assert page.page.locator("#law").input_value() == "coulomb" and page.page.locator("#track").input_value() == "folded"
 
 
-@pytest.mark.parametrize(
+@each_row(
     "hash",
     ["law=__proto__&drive=constructor&amplitude=NaN&mu0=-1&map=toString,a,b,c&vary=x&also=,,a", "law=%00&omega=1e99", "%%%", "&&&=&="],
 )

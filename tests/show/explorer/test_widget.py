@@ -10,6 +10,7 @@ import pytest
 
 import stickslip as ss
 from explorers import chromium
+from rows import each_row
 
 pytest.importorskip("anywidget", reason='anywidget is not installed: pip install "stickslip[widget]"')
 
@@ -154,7 +155,7 @@ def test_text_is_never_html(page):
     assert HOSTILE in page.locator("#here").inner_text() and page.locator("#here img").count() == 0 and page.title() == "quiet"
 
 
-@pytest.mark.parametrize("width", [380, 1280])
+@each_row("width", [380, 1280])
 def test_nothing_is_cut_off(page, width):
     page.set_viewport_size({"width": width, "height": 900})
     mounted(page, ss.widget(ss.Chain.example()))

@@ -15,6 +15,7 @@ import stickslip as ss
 from explorers import chromium
 from house import ROOT
 from printed import entries_that_lead_astray, pictures_and_printed
+from rows import each_row
 from stickslip.basics.errors import InputError
 from stickslip.show.paper.cases import AMPLITUDE_5, CASES, EXPERIMENTS, FAST_FIGURES, rig
 from stickslip.show.paper.claims_page import CONFIRMED, IN_PART, NOT_CONFIRMED, UNDECIDED, VERDICTS
@@ -134,7 +135,7 @@ def slow_type(A, tilt, omega=65.4 * math.pi, mu0=0.18, f0=0.21):
     return kind, float(run.strobes[7][0] - run.strobes[6][0]) / (2 * math.pi) * 9.48 / 72.07 * A * omega
 
 
-@pytest.mark.parametrize("tilt", WINDOWS)
+@each_row("tilt", WINDOWS)
 def test_the_ends_of_the_windows_are_those_of_the_slow_twin(tilt):
     """Inside both hold by the twin; where Coulomb's own condition ends the window, half a micrometre further one fails."""
     e, (low, high) = next(e for e in EXPERIMENTS if e.tilt_deg == tilt), WINDOWS[tilt]
@@ -167,7 +168,7 @@ def test_every_figure_has_its_case_and_its_known_numbers(result):
     assert [figure for figure, c in cases.items() if c["lugre"]["period"] != 1] == [23]
 
 
-@pytest.mark.parametrize("figure", range(17, 27))
+@each_row("figure", range(17, 27))
 def test_the_cases_of_sections_5_2_and_5_3_are_the_known_ones_at_another_amplitude(figure):
     case = next(c for c in CASES if c.figure == figure)
     run = ss.solve(rig(case, amplitude=6e-4), rtol=1e-8)
@@ -352,7 +353,7 @@ def test_under_static_friction_two_lugre_motions_coexist_and_exact_ones_do_not(r
     assert max(found.types(i) for i in range(len(found.fine))) == 3
 
 
-@pytest.mark.parametrize(("amplitude", "motions"), [(8.9e-4, 1), (9.2e-4, 2), (1.4e-3, 2), (1.45e-3, 1)])
+@each_row(("amplitude", "motions"), [(8.9e-4, 1), (9.2e-4, 2), (1.4e-3, 2), (1.45e-3, 1)])
 def test_the_coexisting_motions_are_those_that_basins_find(amplitude, motions):
     """A second method, at f0 = 1 on both sides of both ends; at 8.9e-4 what slid has become irregular or has died out."""
     rig = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=amplitude, f0=1.0)
@@ -591,7 +592,7 @@ def test_each_figure_fits_a_screen_side_by_side(browser, result):
     assert page.evaluate("[...document.querySelectorAll('.three > div')].every(each => each.innerText.length > 25)")
 
 
-@pytest.mark.parametrize("width", [1280, 380])
+@each_row("width", [1280, 380])
 def test_nothing_sticks_out_and_what_scrolls_shows_it(browser, result, width):
     page = browser.new_page(viewport={"width": width, "height": 800})
     page.goto(result.report.as_uri())
