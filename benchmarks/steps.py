@@ -13,13 +13,15 @@ import ast
 import re
 from pathlib import Path
 from time import process_time
+from typing import Any
 
 import numpy as np
 
 import arith
 import pin  # noqa: F401  (one core)
 import stickslip as ss
-from stickslip.engine import emit, lanes, slaved, tableaux
+from stickslip.engine import cache, driver, emit, lanes, slaved, tableaux
+from stickslip.engine.kernel_text import written
 from stickslip.solvers.lane_tables import CaseTable
 from stickslip.solvers.request import request
 from stickslip.solvers.settings import Settings
@@ -71,12 +73,12 @@ def called(robot: ss.Robot, method: object) -> tuple[float, int]:
         pass
     finally:
         lanes._aligned = room
-    S, step = held[0], repeated(kernel)
-    S[kernel.table[lanes.driver.column("F_TEND")] :][: kernel.lanes] = 1e9
+    S, many = held[0], repeated()
+    S[kernel.table[driver.column("F_TEND")] :][: kernel.lanes] = 1e9
     text = re.search(r'LINES = """\n(.*?)"""', Path(kernel.module.__file__).read_text(encoding="utf-8"), re.S)
-    step(S, 1e-6, 1e18, CALLS)
+    many(S, 1e-6, 1e18, CALLS, kernel.table)
     begun = process_time()
-    step(S, 1e-6, 1e18, CALLS)
+    many(S, 1e-6, 1e18, CALLS, kernel.table)
     return (process_time() - begun) / CALLS, operations(ast.parse(text.group(1)).body, {})
 
 
@@ -85,18 +87,12 @@ def stop(_: int) -> None:
     raise StopIteration
 
 
-def repeated(kernel: lanes.Kernel):
-    """The step of a kernel, called many times."""
-    from numba import njit
-
-    one = kernel.module.step
-
-    @njit
-    def many(S, rtol, budget, count):
-        for _ in range(count):
-            one(S, rtol, budget)
-
-    return many
+def repeated() -> Any:
+    """What calls the step of a kernel many times, as its driver does."""
+    kind = "void(f1, float64, float64, int64, i1)"
+    call = "    for k in range(count):\n        call_step(table[AT_STEP], S, rtol, budget)\n"
+    text = f"@njit({kind})\ndef many(S, rtol, budget, count, table):\n{call}"
+    return cache.load(driver.source("a step again and again", {"many": kind}, [text], (), written), "many_steps", "many steps").many
 
 
 def main() -> None:

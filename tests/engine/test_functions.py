@@ -11,6 +11,7 @@ import pytest
 from engine.test_emit import as_bits, as_float, fma
 from rows import each_row
 from stickslip.engine import cache, driver
+from stickslip.engine.kernel_text import written
 
 TEXT = '''
 HALF, FEW = 0.5, 3
@@ -105,7 +106,7 @@ def entry(x, n, table, small):
 
 def compiled(text, entry="entry", takes="float64(f1, i1, f2, b2)"):
     """A function of a text, as kernels get theirs."""
-    return getattr(cache.load(driver.source("a test", {entry: takes}, [text], ()), "functions_test", "a test"), entry)
+    return getattr(cache.load(driver.source("a test", {entry: takes}, [text], (), written), "functions_test", "a test"), entry)
 
 
 def in_python(text):

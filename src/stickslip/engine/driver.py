@@ -7,11 +7,12 @@ where each field of a lane stands, and the addresses. So a new law costs the com
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
 from stickslip.engine import cache
-from stickslip.engine.kernel_text import FUNCTIONS, LOOKS, header, kernel_text, written
+from stickslip.engine.kernel_text import FUNCTIONS, LOOKS, addressed, header, kernel_text, written
 from stickslip.engine.shared_arrays import SHARED
 from stickslip.engine.taylor import ORDER
 from stickslip.engine.texts import recurrence_text, status_text
@@ -51,11 +52,9 @@ def table(module: Any, layout: dict[str, int], scale_at: tuple[int, ...], lists:
     """The whole numbers by which the driver finds its way in a law's kernel: layout, addresses, places of lists, scales, lists."""
     import numpy as np
 
-    where = {name: _address(getattr(module, name, None)) for name in FUNCTIONS}
-    if layout["SERIES"]:
-        where["land"] = _address(_landing(layout["LANES"]).land)
-    for name in [name for name, needed in (("parts", layout["SIGNALS"]), ("changes", layout["CARRIED"])) if needed]:
-        where |= {function: _address(getattr(_apart(name), function)) for function in _APART[name][0]}
+    units = [module, *([_landing(layout["LANES"])] if layout["SERIES"] else ())]
+    units += [_apart(name) for name, needed in (("parts", layout["SIGNALS"]), ("changes", layout["CARRIED"])) if needed]
+    where = dict.fromkeys(FUNCTIONS, 0) | {name: _address(unit.addressed, name) for unit in units for name in unit.KINDS}
     head = [*(layout[name] for name in _COLUMNS), *where.values()]
     first = len(head) + len(_LISTS) + len(scale_at)
     begins = [first + sum(map(len, lists[:k])) for k in range(len(_LISTS))]
@@ -75,12 +74,10 @@ def column(name: str) -> int:
     return _COLUMNS.index(name)
 
 
-def _address(function: Any) -> int:
-    """Where a compiled function stands; 0 if there is none."""
-    if function is None:
-        return 0
-    (compiled,) = function.overloads.values()
-    return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name))
+def _address(unit: Any, name: str) -> int:
+    """Where a function stands that `functions.write_addressed` has written into a unit."""
+    (compiled,) = unit.overloads.values()
+    return int(compiled.library.get_pointer_to_function(f"{compiled.fndesc.llvm_func_name}.{name}"))
 
 
 #: What follows the driver's own texts where it does more: for more cases than lanes, and for a case that is held between calls.
@@ -92,7 +89,7 @@ def load(name: str = "advance") -> Any:
     """The compiled driver, `advance`; or that for more cases than lanes, `advance_pooled`, or for one that is held, `advance_to`."""
     texts = ("columns", "flags", "noting_segments", "watching", "driving_lanes", *_BEHIND[name])
     constants = [cache.SHORT_LOOPS, *_LOOKS, status_text(), recurrence_text()]
-    text = source("the driver of all kernels", {name: "int64(f1, int64, int64, i1)"}, constants, texts)
+    text = source("the driver of all kernels", {name: "int64(f1, int64, int64, i1)"}, constants, texts, written)
     return getattr(cache.load(text, f"driver_{name}", "what all kernels share"), name)
 
 
@@ -102,7 +99,7 @@ def _apart(name: str) -> Any:
     functions, texts, label = _APART[name]
     rules = zip(("FEW_NODES", "FEW_WEIGHTS", "MANY_NODES", "MANY_WEIGHTS"), (*gauss(4), *gauss(6)), strict=True)
     constants = [*_LOOKS, *(f"{name} = {part!r}" for name, part in rules)]
-    return cache.load(source(label, {each: FUNCTIONS[each] for each in functions}, constants, texts), name, label)
+    return cache.load(source(label, functions, constants, texts, addressed), name, label)
 
 
 @lru_cache
@@ -110,15 +107,17 @@ def _landing(lanes: int) -> Any:
     """Where Taylor steps end; compiled for a number of lanes, because it is most of their work."""
     constants = [f"ORDER, L, STRIDE, POINTS = {ORDER}, {lanes}, {lanes}, {POINTS}"]
     label = f"what all Taylor kernels share ({'one case' if lanes == 1 else 'many cases'})"
-    text = source("where Taylor steps end", {"land": FUNCTIONS["land"]}, constants, ("polynomials", "arcs"))
-    return cache.load(text, f"arcs_{lanes}", label)
+    return cache.load(source("where Taylor steps end", ("land",), constants, ("polynomials", "arcs"), addressed), f"arcs_{lanes}", label)
 
 
-def source(label: str, functions: dict[str, str], constants: list[str], texts: tuple[str, ...]) -> str:
-    """The source of some functions of the texts: Numba sees a call of each, and `functions.py` writes what stands behind it."""
+def source(label: str, functions: Any, constants: list[str], texts: tuple[str, ...], made: Callable[[Any, str, str], str]) -> str:
+    """The source of some functions of the texts, `written` for Python or `addressed` for the driver.
+
+    Numba sees one call for each, or one for all, and `functions.py` writes what stands behind it.
+    """
     known = [f"FUNCTIONS = {FUNCTIONS!r}", f"SHARED = {SHARED!r}"]
     text = "\n".join([*_places(), *constants, *map(kernel_text, texts)])
-    return "\n\n".join([header(label), *known, written(functions, text, "outside(context, FUNCTIONS, SHARED)")])
+    return "\n\n".join([header(label), *known, made(functions, text, "outside(context, FUNCTIONS, SHARED)")])
 
 
 def _places() -> list[str]:

@@ -113,16 +113,43 @@ class _Program:
             return ir.VoidType()
         return ir.LiteralStructType(map(self.number, kind.types)) if isinstance(kind, kinds.BaseTuple) else self.number(kind)
 
+    def call(self, builder: Any, name: str, args: list[Any]) -> Any:
+        """A call of a function of the text, or of what something else writes, with numbers and views."""
+        if name in self.outside:
+            return self.outside[name](builder, args)
+        given = [part for arg in args for part in ([arg.data, *arg.shape] if isinstance(arg, View) else [arg])]
+        return builder.call(self.function(name), given)
+
+
+def _given(context: Any, builder: Any, kind: Any, arg: Any) -> Any:
+    """An argument as Numba has it, of an array the view."""
+    if not isinstance(kind, kinds.Array):
+        return arg
+    array = context.make_array(kind)(context, builder, arg)
+    return View(array.data, tuple(builder.extract_value(array.shape, k) for k in range(kind.ndim)))
+
 
 def write_functions(context: Any, builder: Any, sig: Any, args: Any, name: str, text: str, outside: dict[str, Any]) -> Any:
     """A call of one function of a text, with the arguments that Numba has; it and all that it needs are written."""
-    program, given = _Program(builder.module, text, outside), []
-    for kind, arg in zip(sig.args, args, strict=True):
-        if isinstance(kind, kinds.Array):
-            array = context.make_array(kind)(context, builder, arg)
-            given += [array.data, *(builder.extract_value(array.shape, k) for k in range(kind.ndim))]
-        else:
-            given.append(arg)
-    result = builder.call(program.function(name), given)
+    program = _Program(builder.module, text, outside)
+    result = program.call(builder, name, [_given(context, builder, *pair) for pair in zip(sig.args, args, strict=True)])
     program.write()
     return context.get_dummy_value() if sig.return_type == kinds.void else result
+
+
+def write_addressed(context: Any, builder: Any, functions: dict[str, Any], text: str, outside: dict[str, Any]) -> Any:
+    """Functions of a text, or of `outside`, that another kernel calls at their addresses, by their names with their types.
+
+    Numba compiles the one function in which this stands, and these with it, once; each has its name, a dot and their own.
+    """
+    program, convention = _Program(builder.module, text, outside), context.call_conv
+    for name, kind in functions.items():
+        made = ir.Function(builder.module, convention.get_function_type(kind.return_type, kind.args), f"{builder.function.name}.{name}")
+        convention.decorate_function(made, [f"a{k}" for k in range(len(kind.args))], kind.args)
+        inner = ir.IRBuilder(made.append_basic_block())
+        args = context.get_arg_packer(kind.args).from_arguments(inner, convention.get_arguments(made))
+        result = program.call(inner, name, [_given(context, inner, *pair) for pair in zip(kind.args, args, strict=True)])
+        result = context.get_dummy_value() if kind.return_type == kinds.void else result
+        convention.return_value(inner, context.get_return_value(inner, kind.return_type, result))
+    program.write()
+    return context.get_dummy_value()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from hashlib import sha256
 from importlib import resources
@@ -44,7 +44,7 @@ from numba.extending import intrinsic
 
 from stickslip.engine.addresses import outside
 from stickslip.engine.emit import write
-from stickslip.engine.functions import b2, f1, f2, f3, i1, i2, write_functions  # {compiler}
+from stickslip.engine.functions import b2, f1, f2, f3, i1, i2, write_addressed, write_functions  # {compiler}
 
 CALLED = {{"cache": CACHE, "error_model": "numpy", "nogil": True, "boundscheck": False}}
 BORROWING = {{"_nrt": False}}  # the caller owns all arrays, so that Numba need not count who holds them, in atomic steps, at each call
@@ -55,6 +55,25 @@ OPTIONS = CALLED | BORROWING | {{"no_cpython_wrapper": True, "no_cfunc_wrapper":
 _TUPLES = """from numba.core import cgutils
 
 Tuple, UniTuple = types.Tuple, types.UniTuple
+"""
+
+
+#: Functions that stand in one compiled unit (`functions.write_addressed`): of each, Numba would ask as much work as of them all.
+_ADDRESSED = """
+KINDS = {{
+{kinds}}}
+
+
+@intrinsic
+def written(typingctx):
+    def emit(context, builder, sig, args):
+        return write_addressed(context, builder, KINDS, TEXT, {outside})
+    return void(), emit
+
+
+@njit(void(), **OPTIONS)
+def addressed():
+    written()
 """
 
 
@@ -76,10 +95,21 @@ def function(name: str, takes: str, lines: Sequence[str], kind: str = "") -> str
 
 
 def written(functions: dict[str, str], text: str, outside: str = "{}") -> str:
-    """The source of some functions of a text, each with its types, below the header."""
-    held = text.replace("\\", "\\\\")
+    """The source of some functions of a text that Python calls, each with its types, below the header."""
     several = [_TUPLES] if any("Tuple" in kind for kind in functions.values()) else []
-    return "\n\n".join([*several, f"TEXT = '''{held}'''", *(_written(*each, outside) for each in functions.items())])
+    return "\n\n".join([*several, _held(text), *(_written(*each, outside) for each in functions.items())])
+
+
+def addressed(names: Iterable[str], text: str, outside: str = "{}") -> str:
+    """The source of some of `FUNCTIONS`, of a text or of `outside`: the driver calls them, and Numba compiles them all as one."""
+    kinds = "".join(f'    "{name}": {FUNCTIONS[name]},\n' for name in names)
+    return "\n\n".join([_held(text), _ADDRESSED.format(kinds=kinds, outside=outside)])
+
+
+def _held(text: str) -> str:
+    """A text in the file of a kernel."""
+    held = text.replace("\\", "\\\\")
+    return f"TEXT = '''{held}'''"
 
 
 def kernel_text(name: str) -> str:
@@ -88,13 +118,12 @@ def kernel_text(name: str) -> str:
 
 
 def _written(name: str, kind: str, outside: str) -> str:
-    """A function that Python calls, or another kernel at its address."""
+    """A function that Python calls."""
     result, _, given = kind.rpartition("(")
     takes = ", ".join(f"a{i}" for i in range(given.count(",") + 1))
     call = f'write_functions(context, builder, sig, args, "{name}", TEXT, {outside})'
     if "Tuple" in result:
         call = f"context.make_tuple(builder, sig.return_type, cgutils.unpack_tuple(builder, {call}))"
-    options = "**CALLED, **BORROWING" if name not in FUNCTIONS else "**OPTIONS"
     return f"""
 @intrinsic
 def written_{name}(typingctx, {takes}):
@@ -103,7 +132,7 @@ def written_{name}(typingctx, {takes}):
     return {kind}, emit
 
 
-@njit({kind}, {options})
+@njit({kind}, **CALLED, **BORROWING)
 def {name}({takes}):
     return written_{name}({takes})
 """

@@ -17,7 +17,7 @@ from stickslip.basics.contracts import Model
 from stickslip.basics.interruption import is_stopped, look
 from stickslip.basics.status import Status
 from stickslip.engine import cache, driver, slaved, taylor
-from stickslip.engine.kernel_text import FUNCTIONS, header, written
+from stickslip.engine.kernel_text import addressed, header
 from stickslip.engine.kernels import columns
 from stickslip.engine.kinds import known_kind
 from stickslip.engine.law_checks import check_numbers
@@ -325,9 +325,8 @@ def _source(eq: System, step: Step, lanes: int, label: str) -> str:
     if eq.signals:
         functions["signals"] = signals_text(eq, watched(eq, step))
     text = "\n".join([known, *(f"{name} = {named[name]}" for name in _NAMED), *functions.values()])
-    plain = written({name: FUNCTIONS[name] for name in functions}, text)
     lines = step_text(step, Layout(lanes, group, width, offsets, named["F_C"]))
-    return "\n\n".join([header(f"{label}, {lanes} lanes"), known, plain, lines])
+    return "\n\n".join([header(f"{label}, {lanes} lanes"), known, lines, addressed([*functions, "step"], text, '{"step": step}')])
 
 
 def _aligned(count: int) -> Any:

@@ -1,4 +1,4 @@
-"""The text of a step in its kernel's file: its lines, the fields that they read and write, and the single call that Numba compiles.
+"""The text of a step in its kernel's file: its lines, the fields that they read and write, and what writes them as instructions.
 
 The lines are not read by Numba; `emit.py` turns them into instructions. Of a
 Taylor step they are only its series (the rest is ``kernels/arcs.py``). A row that a lane holds stands in the fields ``name_0``,
@@ -15,18 +15,9 @@ from stickslip.engine.rosenbrock_step import Step
 from stickslip.engine.system import System
 
 _STEP = """
-@intrinsic
-def instructions(typingctx, S, rtol, budget):
-    def emit(context, builder, sig, args):
-        data = context.make_array(sig.args[0])(context, builder, args[0]).data
-        write(builder, data, L, GROUP, WIDTH, {"rtol": args[1], "budget": args[2]}, READS, ROWS, LINES, WRITES)
-        return context.get_dummy_value()
-    return types.void(S, types.float64, types.float64), emit
-
-
-@njit("void(float64[::1], float64, float64)", **OPTIONS)
-def step(S, rtol, budget):
-    instructions(S, rtol, budget)
+def step(builder, args):
+    S, rtol, budget = args
+    write(builder, S.data, L, GROUP, WIDTH, {"rtol": rtol, "budget": budget}, READS, ROWS, LINES, WRITES)
 """
 
 
