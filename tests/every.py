@@ -110,6 +110,32 @@ class Hammer(ss.Machine):
         return {("hammer", None): ss.Stop(gap=self.gap, restitution=0.6)}
 
 
+@dataclass(frozen=True, eq=False)
+class Beam(ss.Machine):
+    """A shaken beam by its first two modes, which rubs at one point of it."""
+
+    place: float
+    push: float
+    friction: Any
+    omega: float = 50.0
+
+    @property
+    def period(self):
+        return 2 * pi / self.omega
+
+    def bodies(self):
+        def push(shape):
+            return lambda t, x, v: shape * self.push * sin(self.omega * t)
+
+        return {"bending": ss.Body(0.02, force=push(1.0)), "second": ss.Body(0.02, force=push(-0.6))}
+
+    def links(self):
+        return {("bending", None): ss.Spring(80.0, damping=0.05), ("second", None): ss.Spring(600.0, damping=0.1)}
+
+    def contacts(self):
+        return {"pad": ss.Contact({"bending": sin(pi * self.place), "second": sin(2 * pi * self.place)}, self.friction, load=0.4)}
+
+
 def den_hartog(F, r=0.7):
     """x'' + x + F sgn x' = cos(r t), with rest."""
     offered = lambda t, y: -y[0] + cos(r * t)  # noqa: E731
@@ -196,6 +222,7 @@ every_machine: dict[str, tuple[Any, str, tuple[float, float]]] = {
     "MovingTrack": (ss.presets.conveyor(throw_index=2.5), "along.amplitude", (4e-4, 4.3e-4)),
     "a machine of your own": (Tow(0.07, 0.03, 0.3, 205.0, 300.0, 0.1, DRY), "stiffness", (250.0, 300.0)),
     "a machine without contacts": (Hammer(5.0), "stiffness", (4.9, 5.0)),
+    "a machine by its modes": (Beam(0.3, 0.5, DRY), "place", (0.3, 0.35)),
     "a SwitchingFlow": (DEN_HARTOG, "F", (0.3, 0.4)),
     "a flow without a period": (_van_der_pol(), "mu", (1.0, 1.1)),
     "a Filippov flow": (_hunted(), "k", (6.0, 6.2)),
@@ -203,7 +230,7 @@ every_machine: dict[str, tuple[Any, str, tuple[float, float]]] = {
 }
 #: Those that have bodies: all but the flows.
 with_bodies = {name: made for name, made in every_machine.items() if not is_flow(made[0])}
-OWN = (Capsule, Tow, Hammer)
+OWN = (Capsule, Tow, Hammer, Beam)
 
 
 def without_line(made):

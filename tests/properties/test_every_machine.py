@@ -16,7 +16,7 @@ from stickslip.analysis.losses_at_instants import lost_at_hits
 from stickslip.mechanisms import MECHANISMS
 
 PAGE = Path(__file__).parents[2] / "notes" / "which-machine.md"
-sys.path.insert(0, str(PAGE.parent / "_ext"))
+sys.path.insert(0, str(PAGE.parents[1] / "docs" / "_ext"))
 
 import which_machine  # noqa: E402
 from which_machine import cell, kept_table, lacking, not_yes_or_no, table, unknown  # noqa: E402

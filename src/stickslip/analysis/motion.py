@@ -255,7 +255,8 @@ def _never_moves(run: Trajectory, watched: WatchedContact, motion: Motion) -> bo
 
 def _way(watched: WatchedContact, count: int) -> float:
     """Way that a contact slips over the last `count` drive periods [m]: that of its bodies, less what it rubs on."""
-    run, direction = watched.run, np.array(watched.run.pieces.layout.contacts[watched.number].direction)
+    run = watched.run
+    direction = np.array(machine_of(run.model).mechanics.slips_of[watched.number])
     x, since = run.strobe_x, run.strobe_times[-1] - count * run.period_time * (1 + 1e-12)
     inside = run.t >= since
     velocity = watched.slip[inside] - run.v[inside] @ direction

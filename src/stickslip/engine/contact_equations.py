@@ -14,6 +14,7 @@ from stickslip.engine.symbolic import Symbolic
 from stickslip.engine.symbols import Sym, TraceError
 from stickslip.engine.system import Branches, TracedContact
 from stickslip.engine.values import needed_by
+from stickslip.models.mechanics import brakes_one
 
 _NEAR = 1e-15  # of the velocity scale: what rounding makes of a slip that is a difference, and that begins without acceleration
 
@@ -44,7 +45,7 @@ def _add_dynamic(parts: Assembly, i: int, speed: Sym | None) -> None:
     parts.contacts.append(
         TracedContact(
             m.equations.contacts[i], slip, m.directions[i], state, guard, inner, tuple(k for k, _ in own), None, speed, law.needs_applied,
-            None if creep is None else creep + least, least,
+            None if creep is None else creep + least, least, row=m.weighted(i),
         )
     )  # fmt: skip
 
@@ -159,7 +160,7 @@ def add_contacts(parts: Assembly, speeds: list[Sym | None]) -> None:
         if m.laws[i].dynamic:
             _add_dynamic(parts, i, speeds[i])
     for group in groups_of(m.directions, [i for i, law in enumerate(m.laws) if not law.dynamic]):
-        if len({m.directions[i] for i in group}) > 1 or sum(map(abs, m.directions[group[0]])) > 1.0:
+        if len({m.directions[i] for i in group}) > 1 or not brakes_one(m.directions[group[0]]):
             add_box(parts, group, speeds)
         elif len(group) > 1:
             add_feet(parts, group, speeds)
@@ -234,7 +235,9 @@ def _thrown(parts: Assembly, stop: Any, rate: Sym, e: Any) -> dict[int, Sym]:
     states = _after(parts, stop, (1.0 + e) * rate * _mass_at(parts, stop))
     for i, number in _deciding(parts).items():
         contact = next(c for c in parts.contacts if m.equations.contacts.index(c.name) == i)
-        thrown = sum((g * (states[c] - m.y[c]) for c, g in enumerate(contact.direction) if g and c in states), graph.constant(0.0))
+        thrown = sum(
+            (contact.taken(c) * (states[c] - m.y[c]) for c, g in enumerate(contact.direction) if g and c in states), graph.constant(0.0)
+        )
         if thrown is not graph.constant(0.0):
             sides[i] = graph.by_side(contact.slip + thrown, one, -one, parts.modes[number])
     return sides

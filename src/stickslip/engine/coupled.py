@@ -11,6 +11,7 @@ from functools import reduce
 from typing import Any
 
 from stickslip.engine.assembly import Assembly
+from stickslip.engine.symbolic import Symbolic
 from stickslip.engine.symbols import Graph, Sym
 from stickslip.engine.system import Branches, TracedContact
 
@@ -160,7 +161,7 @@ def add_box(parts: Assembly, group: list[int], speeds: list[Sym | None]) -> None
             return graph.by_side(mode, one, one, left)
 
         slip = graph.by_side(mode, m.slips[i], -m.slips[i], one)
-        exactly = {j: m.y[j] - m.slips[i] for j, g in enumerate(m.directions[i]) if g == 1.0}  # zero slip, to the last digit
+        exactly = without_slip(m, i)
         parts.events += [
             (slip, box.decided(arrives), exactly, 0),
             (resting(high - forces[i]), {i: one}, exactly, 0),
@@ -169,7 +170,9 @@ def add_box(parts: Assembly, group: list[int], speeds: list[Sym | None]) -> None
         state = m.owner.index(i) if i in m.owner else None
         branches = Branches(zero, zero, forces[i] - high, low - forces[i])
         name = m.equations.contacts[i]
-        parts.contacts.append(TracedContact(name, m.slips[i], m.directions[i], state, None, (), (i,), branches, speeds[i], False))
+        parts.contacts.append(
+            TracedContact(name, m.slips[i], m.directions[i], state, None, (), (i,), branches, speeds[i], False, row=m.weighted(i))
+        )
     sides = {i: graph.by_side(m.slips[i], one, -one, zero) for i in group}
     for number, new in box.decided(sides).items():
         parts.first_modes[number] = new
@@ -179,18 +182,42 @@ def _box_of(parts: Assembly, group: list[int]) -> Box:
     """The contact problem of some contacts of a machine."""
     m, graph = parts.m, parts.m.graph
     slide, limits = {i: sliding_both_ways(parts, i) for i in group}, {i: limits_of(parts, i) for i in group}
-    masses, rows = list(map(m.lift, m.equations.masses)), m.directions
-    G = {
-        (i, k): _total([graph.constant(0.0), *(a * b / mass for a, b, mass in zip(rows[i], rows[k], masses, strict=True) if a * b)])
-        for i in group
-        for k in group
-    }
     accelerations = m.accelerations(parts.known_forces)
-    free = {
-        i: _total([*(g * a for g, a in zip(m.directions[i], accelerations, strict=True) if g), graph.derivative(m.slips[i], m.t)])
-        for i in group
-    }
+    free = {i: _total([*_changes(m, i, accelerations), graph.derivative(m.slips[i], m.t)]) for i in group}
+    if any(m.weighted(i) for i in group):
+        G = _felt(parts, group)
+    else:
+        masses, rows = list(map(m.lift, m.equations.masses)), m.directions
+        G = {
+            (i, k): _total([graph.constant(0.0), *(a * b / mass for a, b, mass in zip(rows[i], rows[k], masses, strict=True) if a * b)])
+            for i in group
+            for k in group
+        }
     return Box(graph, {i: parts.modes[i] for i in group}, slide, limits, G, free)
+
+
+def _changes(m: Symbolic, i: int, accelerations: tuple[Sym, ...]) -> list[Any]:
+    """What accelerations of the coordinates, as far as a contact's slip takes them, do to it."""
+    return [g * a for known, g, a in zip(m.directions[i], m.rows[i], accelerations, strict=True) if known]
+
+
+def _felt(parts: Assembly, group: list[int]) -> dict[tuple[int, int], Sym]:
+    """How much the force of contact k takes of the rate of slip i, from the traced equations: they are linear in forces."""
+    m, graph, G = parts.m, parts.m.graph, {}
+    for k in group:
+        force = graph.variable(f"force{k}")
+        moved = m.accelerations({**parts.known_forces, k: force})
+        felt = tuple(-graph.derivative(a, force) for a in moved)
+        G |= {(i, k): _total([graph.constant(0.0), *_changes(m, i, felt)]) for i in group}
+    return G
+
+
+def without_slip(m: Symbolic, i: int) -> dict[int, Sym]:
+    """Velocities with which a contact does not slip, to the last digit, from those with which it does by rounding."""
+    if not (row := m.weighted(i)):
+        return {j: m.y[j] - m.slips[i] for j, g in enumerate(m.directions[i]) if g == 1.0}
+    size = _total([g * g for known, g in zip(m.directions[i], row, strict=True) if known])
+    return {j: m.y[j] - m.slips[i] * (g / size) for j, (known, g) in enumerate(zip(m.directions[i], row, strict=True)) if known}
 
 
 class Box:

@@ -42,7 +42,9 @@ class _Parts(SeveralBodies):
         return (0.0,) * len(self.bodies)  # what prescribed distances add is in the bodies' own symbols
 
     def slips(self, t: Any, u: Numbers) -> tuple[Any, ...]:
-        own = (sum((g * v for g, v in zip(row, self.v, strict=True) if g), 0.0) for row in self.slips_of)
+        moving = dict(zip(self.bodies, self.v, strict=True))
+        given = [contact.coefficients for contact in self.joints.values()]
+        own = (sum((of[name] * v for name, v in moving.items() if name in of), 0.0) for of in given)
         return tuple(slip + offset for slip, offset in zip(own, self.offsets(t), strict=True))
 
 

@@ -22,6 +22,7 @@ from stickslip.engine.coupled import Feet, limits_of, sliding_both_ways
 from stickslip.engine.graphs import Substituted
 from stickslip.engine.symbolic import Symbolic
 from stickslip.engine.symbols import Sym
+from stickslip.models.mechanics import brakes_one
 
 Event = tuple[Sym, dict[int, Sym], dict[int, Sym], int]  # guard, new modes, new states, status
 
@@ -108,7 +109,7 @@ def pressed_stops(parts: Assembly) -> None:
     """Give a mode to each stop that may stay closed; before the contacts are made, because they feel it."""
     m = parts.m
     braked = {c for row in m.directions for c, g in enumerate(row) if g}
-    alone = all(sum(map(abs, row)) == 1.0 and m.directions.count(row) == 1 for row in m.directions)
+    alone = all(brakes_one(row) and m.directions.count(row) == 1 for row in m.directions)
     dynamic = all(law.dynamic for law in m.laws)
     for stop in m.equations.stops if alone or dynamic else ():
         ends = [c for c, h in enumerate(stop.direction) if h]

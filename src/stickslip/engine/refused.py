@@ -8,6 +8,7 @@ import numpy as np
 
 from stickslip.basics.contracts import Model
 from stickslip.models.machine_adapter import MachineAdapter, machine_of
+from stickslip.models.mechanics import SOME, brakes_one
 
 #: Contacts of one group, of which all combinations of rest and slip are tried.
 MOST = 4
@@ -15,9 +16,7 @@ MOST = 4
 
 def _alone(directions: tuple[tuple[float, ...], ...]) -> bool:
     """Whether each contact brakes one coordinate, and no two the same."""
-    return all(sum(map(abs, row)) == 1.0 for row in directions) and all(
-        sum(map(abs, column)) <= 1.0 for column in zip(*directions, strict=True)
-    )
+    return all(map(brakes_one, directions)) and all(sum(map(bool, column)) <= 1 for column in zip(*directions, strict=True))
 
 
 def _apart(stops: tuple[Any, ...]) -> bool:
@@ -51,8 +50,8 @@ def refusal_of(machine: MachineAdapter) -> str:
         return f"some of its laws rest exactly and others have inner states, and {beside}; {other}"
     for group in groups_of(m.directions, [i for i, inner in enumerate(dynamic) if not inner]):
         rows = [m.directions[i] for i in group]
-        alike = len(set(rows)) == 1 and sum(map(abs, rows[0])) == 1.0
-        if not alike and (len(group) > MOST or np.linalg.matrix_rank(np.array(rows)) < len(group)):
+        alike = len(set(rows)) == 1 and brakes_one(rows[0])
+        if not alike and (len(group) > MOST or _rank(machine, group) < len(group)):
             names = ", ".join(m.contacts[i] for i in group)
             why = f"more than {MOST} of them" if len(group) > MOST else "and the slips of some follow from those of others"
             return f"bodies rub on one another under laws that rest exactly ({names}), {why}; {other}"
@@ -61,6 +60,16 @@ def refusal_of(machine: MachineAdapter) -> str:
     if machine.one_body is None and m.jumps and any(law.switching for law in m.laws):
         return f"its velocities jump and a law remembers; {other}"
     return ""
+
+
+def _rank(machine: MachineAdapter, group: list[int]) -> int:
+    """How many of the slips of some contacts do not follow from the others, in the case that has fewest."""
+    m = machine.mechanics
+    rows = [m.directions[i] for i in group]
+    if any(SOME in row for row in rows):
+        given = m.rows(0.0, m.start)
+        rows = np.moveaxis(np.stack([np.stack(np.broadcast_arrays(*map(np.asarray, np.ravel(given[i])))) for i in group]), -1, 0)
+    return int(np.min(np.linalg.matrix_rank(np.array(rows, float))))
 
 
 def _alone_only(machine: MachineAdapter) -> str:

@@ -123,6 +123,9 @@ class _StepWriter(EventWriter):
     def _along(self, contact: TracedContact, of: Callable[[int], str]) -> str:
         """Coefficients of the coordinates in a contact's slip."""
         terms = [("-" if g < 0 else "") + of(j) for j, g in enumerate(contact.direction) if g]
+        if contact.row:
+            zero = self.eq.graph.constant(0.0)
+            terms = [f"{self.w.value(zero + contact.taken(j), self.start)} * {of(j)}" for j, g in enumerate(contact.direction) if g]
         return terms[0] if len(terms) == 1 else f"({' + '.join(terms)})"
 
     def _second(self, j: int) -> str:

@@ -43,6 +43,11 @@ class Sizes:
             return f"{self.of(yes)} if {self._value(asked)} > 0.0 else {self.of(no)}"
         return f"abs({self._value(node)}) + abs({self._value(slope_of(node))}) * {self.of(node.args[0])}"
 
+    def weights(self, contact: TracedContact) -> dict[int, str]:
+        """The factors of the coordinates' rates in that of a slip, where a contact has other coefficients than 1 and -1."""
+        zero = contact.slip.graph.constant(0.0)
+        return {j: f"abs({self._value(zero + g)}) * " for j, g in enumerate(contact.row) if contact.direction[j]}
+
     def _value(self, node: Sym) -> str:
         return self.w.value(node, self.start)
 
@@ -52,6 +57,8 @@ def hold_sizes(eq: System, case_nodes: list[Sym]) -> None:
     sizes = Sizes(eq, case_nodes)
     for f in eq.active:
         sizes.of(f)
+    for contact in eq.contacts:
+        sizes.weights(contact)
 
 
 def sizes_text(eq: System, step: Step, lanes: int, slips: Sequence[Sequence[TracedContact]]) -> str:
@@ -64,7 +71,8 @@ def sizes_text(eq: System, step: Step, lanes: int, slips: Sequence[Sequence[Trac
     of_guards = []
     for contacts in slips:
         moves = {j for contact in contacts for j, g in enumerate(contact.direction) if g}
-        of_guards.append(" + ".join(of_states[j] for j in sorted(moves)) or "0.0")
+        weights = {j: weight for contact in contacts for j, weight in sizes.weights(contact).items()}
+        of_guards.append(" + ".join(weights.get(j, "") + of_states[j] for j in sorted(moves)) or "0.0")
     if len(sizes.w.case_nodes) > len(step.case_nodes):
         raise AssertionError("the sizes of a step's rates need a number that the step does not hold")
     lines = [*sizes.w.lines, *(f"W[{i}] = {text}" for i, text in enumerate([*of_states, *of_guards]))]

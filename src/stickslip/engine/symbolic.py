@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 from stickslip.basics.contracts import Model
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.engine.symbols import STATE, Graph, Sym
 from stickslip.models.machine_adapter import machine_of
+from stickslip.models.mechanics import SOME
 
 #: Name of the column that holds the length of the run, for a model without a period.
 SPAN = "span"
@@ -60,6 +62,19 @@ class Symbolic:
                 graph.sign(slip)  # of each contact, before any other condition
         self.loads = tuple(map(self.lift, self.equations.loads(self.t, self.places)))
         self.first_loads = tuple(map(self.lift, self.equations.loads(zero, (zero,) * n)))  # typical loads, where they vary
+
+    @cached_property
+    def rows(self) -> tuple[tuple[Any, ...], ...]:
+        """What the slip of each contact takes of the coordinates' velocities: numbers where they are literal, else expressions."""
+        given = self.equations.rows(self.t, self.places)
+        return tuple(
+            tuple(self.lift(coefficient) if g == SOME else g for g, coefficient in zip(row, own, strict=True))
+            for row, own in zip(self.directions, given, strict=True)
+        )
+
+    def weighted(self, i: int) -> tuple[Any, ...]:
+        """The row of a contact where it has other coefficients than 1, -1 and 0; else nothing."""
+        return () if set(self.directions[i]) <= {1.0, -1.0, 0.0} else self.rows[i]
 
     def _slip(self, i: int) -> Sym:
         return self.lift(self.equations.slips(self.t, self.v)[i])

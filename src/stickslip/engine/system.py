@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 from stickslip.engine.graphs import Along
 from stickslip.engine.symbols import Graph, Sym
@@ -54,7 +55,7 @@ class TracedContact:
 
     name: str
     slip: Sym
-    direction: tuple[float, ...]  # what its slip takes of each coordinate's velocity: 1, -1 or 0
+    direction: tuple[float, ...]  # what its slip takes of each coordinate's velocity; `SOME` where that is an expression of its row
     state: int | None  # the state that is its slip velocity; None where the slip is made of several, or of time
     guard: int | None  # the guard whose flag holds the side of its slip; None of a set-valued law of several contacts: its mode does
     inner: tuple[int, ...]  # its inner states among the states
@@ -65,6 +66,11 @@ class TracedContact:
     creep_velocity: Sym | None = None  # up to which friction is proportional to the velocity, where the law says it
     least: Sym | None = None  # the least velocity that is told from zero there
     flight: Flight | None = None  # of a contact that leaves where its load falls to zero, and lands again
+    row: tuple[Any, ...] = ()  # the coefficients themselves, numbers and expressions, where they are not 1, -1 and 0 alone
+
+    def taken(self, j: int) -> Any:
+        """What its slip takes of a coordinate's velocity."""
+        return self.row[j] if self.row else self.direction[j]
 
 
 @dataclass(frozen=True)

@@ -19,15 +19,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import reduce
+from operator import add
 from types import MappingProxyType
+from typing import Any
 
 from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.engine.graphs import Along, Substituted
 from stickslip.engine.observed import MEAN
 from stickslip.engine.symbols import Sym, is_zero
-from stickslip.engine.system import System, TracedSwitch
+from stickslip.engine.system import System, TracedContact, TracedSwitch
 from stickslip.engine.taylor import watched
 from stickslip.engine.values import needed_by
+from stickslip.models.mechanics import brakes_one
 
 #: The number of a case that is the part of the period at which a run ends.
 PART = "part of the period"
@@ -334,15 +338,25 @@ def _settled(system: System, changes: list[Sym], along: Along) -> dict[int, Sym]
     graph, exact = system.graph, [contact for contact in system.contacts if contact.branches is not None]
     now: dict[int, Sym] = {}
     first = system.states
-    for _ in exact if any(sum(map(abs, contact.direction)) > 1.0 for contact in exact) else exact[:1]:  # bodies on bodies pass it on
+    for _ in exact if any(not brakes_one(contact.direction) for contact in exact) else exact[:1]:  # bodies on bodies pass it on
         for contact in exact:
-            (number,), j = contact.modes, contact.direction.index(1.0)
+            (number,) = contact.modes
             slips = Substituted(graph, {changes[i - first].name: new for i, new in now.items()}).of(along.of(contact.slip))
-            old = now.get(first + j, changes[j])
-            now[first + j] = graph.by_side(system.modes[number], old, old, old - slips)
+            for j, part in _parts_of_slip(contact).items():
+                old = now.get(first + j, changes[j])
+                now[first + j] = graph.by_side(system.modes[number], old, old, old - slips * part)
     for flight in (contact.flight for contact in exact if contact.flight is not None):  # a gap that is closed stays closed
         now |= {first + k: graph.select(flight.aloft, changes[k], graph.constant(0.0)) for k in flight.inner}
     return now
+
+
+def _parts_of_slip(contact: TracedContact) -> dict[int, Any]:
+    """By coordinate what its velocity has to give so that a contact does not slip, as a part of the slip."""
+    if not contact.row:
+        return {contact.direction.index(1.0): 1.0}
+    taken = {j: contact.taken(j) for j, g in enumerate(contact.direction) if g}
+    size = reduce(add, [g * g for g in taken.values()])
+    return {j: g / size for j, g in taken.items()}
 
 
 def _size(node: Sym) -> Sym:

@@ -222,6 +222,8 @@ class _SeriesWriter:
         """Of a guard that is a slip made of velocities, or of one and of what is prescribed: how large they are; else nothing."""
         for contact in slips_of(self.eq, guard):
             moves = [y for y, g in zip(self.eq.y, contact.direction, strict=False) if g]
+            if contact.row:
+                moves = [y * contact.taken(j) for j, y in enumerate(self.eq.y[: len(contact.row)]) if contact.direction[j]]
             if all(contact.slip is not y for y in moves):
                 return f"({' + '.join(f'abs({self._value(node)})' for node in (self.eq.velocity_scale, *moves))})"
         return ""

@@ -20,6 +20,8 @@ from stickslip.models.position_dependence import knows_position
 
 Numbers = Sequence[Any]
 
+SOME = 2.0  # in a row of `directions`, a coefficient that is known with the case, the instant or the place alone
+
 
 class Mechanics(Protocol):
     """The protocol between a machine and the solvers. Coordinates q [m] have velocities u; bodies, contacts and stops have names.
@@ -50,7 +52,11 @@ class Mechanics(Protocol):
 
     @property
     def directions(self) -> tuple[tuple[float, ...], ...]:
-        """For each contact, the coefficients of the coordinates' velocities in its slip."""
+        """For each contact, the coefficients of the coordinates' velocities in its slip; `SOME` for one that is no literal number."""
+
+    def rows(self, t: Numeric, q: Numbers) -> tuple[tuple[Any, ...], ...]:
+        """The coefficients themselves, where `directions` has `SOME` for a number that a case, an instant or a place decides."""
+        return self.directions
 
     @property
     def slips_of(self) -> tuple[tuple[float, ...], ...]:
@@ -299,13 +305,26 @@ def _by_drive(model: Model) -> Any:
 
 
 def _dot(g: Numbers, u: Numbers) -> Any:
-    """Scalar product with factors of 1, -1 and 0."""
+    """Scalar product."""
     total: Any = 0.0
     for factor, value in zip(g, u, strict=True):
         total = signed_less(total, -factor, value)
     return total
 
 
-def signed_less(total: Any, factor: float, value: Numeric) -> Any:
-    """A sum minus a factor of 1, -1 or 0 times a value."""
-    return total if factor == 0.0 else total - value if factor == 1.0 else total + value
+def signed_less(total: Any, factor: Any, value: Numeric) -> Any:
+    """A sum minus a factor times a value; those of 1, -1 and 0 cost no product."""
+    if not isinstance(factor, float):
+        return total - factor * value
+    return total if factor == 0.0 else total - value if factor == 1.0 else total + value if factor == -1.0 else total - factor * value
+
+
+def brakes_one(row: Sequence[float]) -> bool:
+    """Whether a contact's slip is the velocity of one coordinate, which its friction brakes with its whole force.
+
+    Examples
+    --------
+    >>> brakes_one((0.0, 1.0)), brakes_one((1.0, -1.0)), brakes_one((0.3, 0.7)), brakes_one((0.5, 0.0))
+    (True, False, False, False)
+    """
+    return sum(map(bool, row)) == 1 and 1.0 in row

@@ -104,6 +104,6 @@ def _of_the_ground(mechanics: Any, v: Array, R: Array, slip: Array) -> Array:
     moving = dict(zip(mechanics.bodies, v.T, strict=True))
     total = np.zeros(len(v))
     for i, contact in enumerate(mechanics.joints.values()):
-        other = moving[contact.on] if isinstance(contact.on, str) else 0.0
-        total = total + R[:, i] * (slip[:, i] - (moving[contact.body] - other))
+        own = sum(g * moving[name] for name, g in contact.coefficients.items())
+        total = total + R[:, i] * (slip[:, i] - own)
     return total

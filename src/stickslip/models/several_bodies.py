@@ -15,7 +15,7 @@ from stickslip.basics.maths import maximum, minimum, pi, sqrt
 from stickslip.models.controllers import Controllers
 from stickslip.models.friction.law_adapter import LawAdapter, adapted
 from stickslip.models.links_in_time import pull_of, sees_time
-from stickslip.models.mechanics import Mechanics, Numbers, signed_less
+from stickslip.models.mechanics import SOME, Mechanics, Numbers, signed_less
 from stickslip.models.powers import names_of_links, powers
 
 GRAVITY = 9.81  # of a machine that does not say its own [m/s^2]
@@ -103,15 +103,30 @@ class SeveralBodies(Mechanics):
 
     @cached_property
     def directions(self) -> tuple[tuple[float, ...], ...]:
-        """1 at the coordinate of the contact's body, -1 at that of the body it rubs on."""
-        return tuple(self.row(c.body, c.on if isinstance(c.on, str) else None) for c in self.joints.values())
+        """1 at the coordinate of the contact's body, -1 at that of the body it rubs on; or what the contact says."""
+        return tuple(tuple(float(g) if isinstance(g, (int, float)) else SOME for g in row) for row in self.rows(0.0, ()))
+
+    def rows(self, t: Numeric, q: Numbers) -> tuple[tuple[Any, ...], ...]:
+        """The same with the numbers that contacts say."""
+        n = len(self.groups)
+        return tuple(tuple(dict(self._row_of(c)).get(k, 0.0) for k in range(n)) for c in self.joints.values())
+
+    def _row_of(self, contact: Any) -> list[tuple[int, Any]]:
+        """What a contact's slip takes of coordinates, where it is not zero: the number of each and its coefficient, in their order."""
+        if isinstance(contact.body, str):
+            return self._entries(contact.body, contact.on if isinstance(contact.on, str) else None)
+        row: dict[int, Any] = {}
+        for name, g in contact.coefficients.items():
+            c = self.coordinate[name]
+            row[c] = row[c] + g if c in row else g
+        return [(c, row[c]) for c in sorted(row)]
 
     @cached_property
     def slips_of(self) -> tuple[tuple[float, ...], ...]:
-        """1 at the contact's body, -1 at the body it rubs on."""
-        others = {contact: c.on if isinstance(c.on, str) else None for contact, c in self.joints.items()}  # a speed may be a symbol
+        """1 at the contact's body, -1 at the body it rubs on; or what the contact says."""
+        given = [c.coefficients for c in self.joints.values()]
         return tuple(
-            tuple((name == c.body) - 1.0 * (name == others[contact]) for name in self.bodies) for contact, c in self.joints.items()
+            tuple(float(g) if isinstance(g, (int, float)) else SOME for g in (of.get(name, 0.0) for name in self.bodies)) for of in given
         )
 
     def row(self, first: str, second: str | None) -> tuple[float, ...]:
@@ -187,7 +202,11 @@ class SeveralBodies(Mechanics):
         start, still = self.start, (0.0,) * len(self.groups)
         largest: Any = 0.0
         for q, contact in zip(self.loads(0.0, start), self.joints.values(), strict=True):
-            largest = maximum(largest, _LEAST * abs(q) / self.masses[self.coordinate[contact.body]] * time)
+            if isinstance(contact.body, str):
+                largest = maximum(largest, _LEAST * abs(q) / self.masses[self.coordinate[contact.body]] * time)
+            else:
+                lightness = _sum(g * g / self.masses[c] for c, g in self._row_of(contact))
+                largest = maximum(largest, _LEAST * abs(q) * lightness * time)
         for k in range(_LOOKS if self.period is not None else 1):
             t = time * (k / _LOOKS)
             for a in self.accelerations(t, start, still, (0.0,) * len(self.contacts)):
@@ -217,7 +236,7 @@ class SeveralBodies(Mechanics):
             for c, g in self._entries(*ends):
                 total[c] = signed_less(total[c], g, tension)
         for contact, force in zip(self.joints.values(), R, strict=True):
-            for c, g in self._entries(contact.body, contact.on if isinstance(contact.on, str) else None):
+            for c, g in self._row_of(contact):
                 total[c] = signed_less(total[c], g, force)
         return tuple(force / mass for force, mass in zip(total, self.masses, strict=True))
 
@@ -230,7 +249,7 @@ class SeveralBodies(Mechanics):
         """Normal force on each contact [N]."""
         x = dict(zip(self.bodies, self.positions(t, q), strict=True))
         gravity = getattr(self.model, "gravity", GRAVITY)
-        given = [(c, c.normal(t, x[c.body])) for c in self.joints.values()]
+        given = [(c, c.normal(t, _along(c, x))) for c in self.joints.values()]
         return tuple(self.parts[c.body].mass * gravity if load is None else load for c, load in given)
 
     def offsets(self, t: Numeric) -> tuple[Any, ...]:
@@ -243,7 +262,7 @@ class SeveralBodies(Mechanics):
         slips = []
         for contact, offset in zip(self.joints.values(), self.offsets(t), strict=True):
             total: Any = 0.0
-            for c, g in self._entries(contact.body, contact.on if isinstance(contact.on, str) else None):
+            for c, g in self._row_of(contact):
                 total = signed_less(total, -g, u[c])
             slips.append(total + offset)
         return tuple(slips)
@@ -278,6 +297,8 @@ class SeveralBodies(Mechanics):
     def difference(self, i: int) -> bool:
         """Where it rubs on a body or a motion, or its body moves otherwise than its coordinate."""
         contact = self.joints[self.contacts[i]]
+        if not isinstance(contact.body, str):
+            return True
         arms = self.arms[contact.body] or len(self.groups[self.coordinate[contact.body]]) > 1
         return bool(arms) or isinstance(contact.on, str) or callable(getattr(contact.on, "velocity", None))
 
@@ -320,7 +341,7 @@ class SeveralBodies(Mechanics):
         of: dict[str, Any] = {}
         for contact, law in zip(self.joints.values(), self.laws, strict=True):
             moved = isinstance(contact.on, str) or callable(getattr(contact.on, "velocity", None))
-            if contact.body in of or moved or callable(contact.load):
+            if not isinstance(contact.body, str) or contact.body in of or moved or callable(contact.load):
                 return None
             of[contact.body] = contact, law
         return tuple(of.get(name) for name in self.bodies)
@@ -382,7 +403,15 @@ def several(parts: Any) -> tuple[Any, ...]:
     return parts if isinstance(parts, tuple) and not isinstance(parts, Frozen) else (parts,)
 
 
+def _along(contact: Any, x: dict[str, Any]) -> Any:
+    """The position that a contact's load is a function of [m]."""
+    return x[contact.body] if isinstance(contact.body, str) else _sum(g * x[name] for name, g in contact.coefficients.items())
+
+
 def _offset(arms: dict[str, Any], contact: Any) -> Any:
+    if not isinstance(contact.body, str):
+        moved = [(g, arms[name]) for name, g in contact.coefficients.items()]
+        return _sum(g * arm for g, arm in moved if not (isinstance(arm, float) and arm == 0.0))
     other = arms[contact.on] if isinstance(contact.on, str) else 0.0
     return arms[contact.body] - other
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import itertools
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.contracts import Numeric
@@ -108,7 +109,9 @@ def _check_contact(name: Any, contact: Any, bodies: dict[str, Any], problems: Pr
     if not isinstance(contact, Contact):
         problems.add(f'{where} = {contact!r}; allowed is a Contact; type {name!r}: ss.Contact("head", friction)')
         return
-    if contact.body not in bodies:
+    if isinstance(contact.body, Mapping):
+        _check_coefficients(where, contact, bodies, problems)
+    elif contact.body not in bodies:
         problems.add(f"{where}.body = {contact.body!r}; {did_you_mean(str(contact.body), bodies)}")
     if isinstance(contact.on, str):
         if contact.on not in bodies:
@@ -127,9 +130,30 @@ def _check_contact(name: Any, contact: Any, bodies: dict[str, Any], problems: Pr
         problems.add(f"{where}.{sentence}" if sentence.startswith("friction") else f"{where}: {sentence}")
 
 
+def _check_coefficients(where: str, contact: Any, bodies: dict[str, Any], problems: Problems) -> None:
+    """Note coefficients of bodies that are not there, that are no numbers or all zero, and what a contact that has them cannot have."""
+    for name, g in contact.body.items():
+        if name not in bodies:
+            problems.add(f"{where}.body has a coefficient of {name!r}, which is not a body; {did_you_mean(str(name), bodies)}")
+        example = f"{{{name!r}: 0.5}}"
+        checked_number(f"{where}.body[{name!r}]", g, problems, None, "a coefficient, positive or negative", f"ss.Contact({example}, law)")
+    if not contact.coefficients:
+        problems.add(
+            f"{where}.body = {dict(contact.body)!r}, so that nothing decides its slip; allowed is at least one coefficient that is not "
+            'zero; type ss.Contact({"q1": 0.59, "q2": 0.95}, law, load=1.0)'
+        )
+    if contact.load is None:
+        problems.add(f"{where}.load is not given, and a contact with coefficients has no weight; allowed is a force [N]; type load=1.0")
+    if isinstance(contact.on, str):
+        example = f"{{..., {contact.on!r}: -1.0}}"
+        problems.add(f"{where}.on = {contact.on!r}; with coefficients a body that it rubs on has one too; type ss.Contact({example}, law)")
+    if contact.restitution is not None:
+        problems.add(f"{where}.restitution = {contact.restitution!r}; a contact with coefficients does not fly; type restitution=None")
+
+
 def _check_flight(name: str, contact: Any, mechanics: Any, problems: Problems) -> None:
     """Note a contact that is to fly and cannot: its body has others, or what it rubs on is a body."""
-    if contact.restitution is None:
+    if contact.restitution is None or isinstance(contact.body, Mapping):
         return
     where = f"contacts()[{name!r}].restitution"
     checked_number(where, contact.restitution, problems, lambda e: (e >= 0) & (e < 1), "from 0 to below 1", "restitution=0.3")

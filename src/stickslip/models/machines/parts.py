@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -71,16 +72,18 @@ class Contact(Frozen):
 
     Parameters
     ----------
-    body : str
-        Name of the body.
+    body : str or mapping
+        Name of the body; or coefficients by name of a body, whose slip is the sum of coefficients times velocities, as at a point of a
+        body that is known by its modes, a lever or a gear. Each body then feels the friction force times its coefficient.
     friction : law
         Any friction law; it receives the slip velocity, that of the body minus that of the opposing surface.
     on : optional
         The opposing surface: the track if not given; the name of another body; the speed of a belt [m/s]; or a motion, which has
         `position(t)`, `velocity(t)` and `acceleration(t)` as every drive has.
     load : float or callable, optional
-        Normal force [N]: a number, or a function of time [s] and the position of the body [m]. Without it, the weight of the body
-        where gravity is the machine's `gravity`, or 9.81 m/s^2.
+        Normal force [N]: a number, or a function of time [s] and the position of the body [m]; of a contact with coefficients, their
+        sum with the positions, and there a load has to be given. Without it, the weight of the body where gravity is the machine's
+        `gravity`, or 9.81 m/s^2.
     restitution : float, optional
         Coefficient of restitution, from 0 to below 1: the body takes off when the load falls to zero, and lands again. This must be its
         only contact, and not with another body. If not given, and under a law with inner states, a run ends when the load falls to zero.
@@ -91,13 +94,23 @@ class Contact(Frozen):
     >>> foot = Contact("head", ss.Coulomb(mu_plus=0.15, mu_minus=0.21), load=0.7)
     >>> foot.normal(t=0.0, x=0.0)
     0.7
+    >>> bow = Contact({"mode 1": 0.59, "mode 2": 0.95}, ss.Coulomb(mu_plus=0.3, mu_minus=0.3), on=0.1, load=1.0)
+    >>> bow.coefficients
+    {'mode 1': 0.59, 'mode 2': 0.95}
     """
 
-    body: str
+    body: Any
     friction: Any
     on: Any = None
     load: Any = None
     restitution: Any = None
+
+    @property
+    def coefficients(self) -> dict[str, Any]:
+        """What its slip takes of each body's velocity, without what it rubs on that is no body."""
+        if not isinstance(self.body, Mapping):
+            return {self.body: 1.0, **({self.on: -1.0} if isinstance(self.on, str) else {})}
+        return {name: g for name, g in self.body.items() if not (isinstance(g, (int, float)) and g == 0)}
 
     def normal(self, t: Numeric, x: Numeric) -> Any:
         """Normal force [N]."""

@@ -109,7 +109,7 @@ def _start(mechanics: Any, name: str) -> tuple[float, int]:
 
 def _standing_on(mechanics: Any) -> dict[str, str | None]:
     """For each body, the one on the track above which it is drawn; None for those on the track."""
-    on_track = {c.body for c in mechanics.joints.values() if not isinstance(c.on, str)} or set(mechanics.bodies)
+    on_track = {name for c in mechanics.joints.values() if not isinstance(c.on, str) for name in c.coefficients} or set(mechanics.bodies)
     joined = [ends for ends, _ in [*mechanics.elastic, *mechanics.prescribed]] + [stop.ends for stop in mechanics.stops]
     joined += [(c.body, c.on) for c in mechanics.joints.values() if isinstance(c.on, str)]
     bases: dict[str, str | None] = dict.fromkeys(on_track)

@@ -105,7 +105,7 @@ def group_of(rows: list[int], G: Any, effective: list[float]) -> RestingGroup:
     part = np.array([[G[i][j] for j in rows] for i in rows])
     if len(rows) == 1:
         return _Single(rows, effective[rows[0]])
-    if is_common(part):
+    if is_common(part) and len({effective[i] for i in rows}) == 1:
         return _Common(rows, effective[rows[0]], np.sign(part[0]).tolist())
     if np.linalg.cond(part) < _SINGULAR:
         return _Box(rows, np.linalg.inv(part))
