@@ -180,7 +180,7 @@ def _got(pipe: Any) -> bytes | None:
 
 
 # ---- in the process ----
-def serve(answer: Callable[[dict[str, Any], bytes], bytes], prepare: Callable[[], object] = lambda: None) -> None:
+def serve(answer: Callable[[dict[str, Any], bytes], bytes], prepare: Callable[[], object] = lambda: None, writes: bool = False) -> None:
     """Run the process: it answers messages from its input until that ends.
 
     Parameters
@@ -189,13 +189,16 @@ def serve(answer: Callable[[dict[str, Any], bytes], bytes], prepare: Callable[[]
         The answer to a wish and its bytes. What it raises ends the process.
     prepare : callable
         What is done once, before there are limits.
+    writes : bool
+        Whether it may write files, as what is compiled is kept.
     """
     asked, answers = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     with open(os.devnull, "r+b") as nothing:  # libraries must not read our input or write into our answers
         os.dup2(nothing.fileno(), 0)
         os.dup2(nothing.fileno(), 1)
     prepare()
-    _limit("RLIMIT_FSIZE", 0)
+    if not writes:
+        _limit("RLIMIT_FSIZE", 0)
     _limit("RLIMIT_CORE", 0)
     _put(answers, b"ready")
     while (head := _got(asked)) is not None and (data := _got(asked)) is not None:

@@ -16,6 +16,8 @@ from stickslip.basics.units import unit_named
 ROLES = (
     "velocity", "absolute velocity", "position", "force", "load", "drive", "acceleration", "pressure", "voltage", "current", "weight",
 )  # fmt: skip
+#: What is typed for a channel that is to have no role, whatever its name and its unit say.
+UNUSED = "unused"
 #: What the unit of a channel in a role may measure, where that is not what the role is called.
 MEASURED = {
     "velocity": ("velocity", "angular velocity"), "absolute velocity": ("velocity", "angular velocity"), "position": ("position", "angle"),

@@ -18,7 +18,7 @@ from stickslip.basics.units import quantity_of, unit_named, unit_of_heading
 from stickslip.basics.unpacking import Allowance
 from stickslip.records.apart import read_apart
 from stickslip.records.axes import by_own_times, counted, table_axes
-from stickslip.records.channel import MEASURED, ROLES, Channel
+from stickslip.records.channel import MEASURED, ROLES, UNUSED, Channel
 from stickslip.records.formats import format_of
 from stickslip.records.raw import Raw, RawColumn
 from stickslip.records.record import Record
@@ -59,7 +59,8 @@ def read(
         Headings of all columns of a table, with units: ``["t [ms]", "v [mm/s]"]``.
     roles : dict, optional
         Roles of the channels, by name: one of "velocity" (of the body), "absolute velocity" (of the inner mass), "position", "force",
-        "load", "drive", "acceleration", "pressure", "voltage". Otherwise the role follows from name and unit, if these are unambiguous.
+        "load", "drive", "acceleration", "pressure", "voltage"; or "unused", of a channel that is to have none. Otherwise the role follows
+        from name and unit, if these are unambiguous.
     rate : float, optional
         Samples per second of a file without a time axis [Hz].
     scale : dict, optional
@@ -222,7 +223,7 @@ def _check_roles(raw: Raw, roles: dict[str, str], problems: Problems) -> None:
     for name, role in roles.items():
         if name not in [c.name for c in raw.columns]:
             problems.add(f"roles names {name!r}; {did_you_mean(name, [c.name for c in raw.columns])}")
-        if role not in ROLES and role != "convected velocity":
+        if role not in (*ROLES, UNUSED, "convected velocity"):
             problems.add(f"the role {role!r} of {name!r} is not known; {did_you_mean(role, ROLES)}")
     for c in raw.columns:
         role = {"convected velocity": "velocity"}.get(roles.get(c.name, ""), roles.get(c.name, ""))

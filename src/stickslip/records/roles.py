@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.basics.units import quantity_of, unit_named
 from stickslip.records.candidates import typed_units
-from stickslip.records.channel import MEASURED, Channel
+from stickslip.records.channel import MEASURED, UNUSED, Channel
 from stickslip.records.overview import clipped, dead_zone, runs_of
 from stickslip.records.raw import RawColumn
 
@@ -43,7 +43,7 @@ def roles_of(columns: list[RawColumn], typed: dict[str, str]) -> dict[str, str |
     candidates = {c.name: (OURS.get(c.name), True) if ours and c.role is None else _role_and_why(c) for c in columns}
     named = {role for role, by_name in candidates.values() if by_name}
     roles = {name: None if role in named and not by_name else role for name, (role, by_name) in candidates.items()}
-    given = {name: alias.get(role, role) for name, role in typed.items()}
+    given = {name: None if role == UNUSED else alias.get(role, role) for name, role in typed.items()}
     return {name: None if role in given.values() else role for name, role in roles.items()} | given
 
 

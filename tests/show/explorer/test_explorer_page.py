@@ -7,7 +7,7 @@ import math
 import re
 import tomllib
 from pathlib import Path
-from urllib.parse import quote, urlsplit
+from urllib.parse import quote
 from xml.etree import ElementTree
 
 import numpy as np
@@ -15,9 +15,9 @@ import pytest
 from matplotlib import image
 
 import stickslip as ss
-from explorers import PATIENCE, Explorer, chromium
+from browsed import QUICK, Page
+from explorers import Explorer, chromium
 from rows import each_row
-from stickslip.basics.typed_numbers import in_unit
 from stickslip.show.explorer.exports import EXPORTS
 from stickslip.show.explorer.from_robot import hash_of, state_of
 from stickslip.show.explorer.models import CONTACTS, DRIVES, TRACKS, active
@@ -26,9 +26,6 @@ from stickslip.show.explorer.requests import State, state
 from stickslip.show.explorer.sliders import PARAMETERS
 
 AXE = Path(__file__).parents[2] / "vendor" / "axe.min.js"
-WAIT = PATIENCE * 1000  # [ms]
-#: Kinds whose kernels the rest of the tests need as well; others would each take a compiler's ten seconds.
-QUICK = "law=coulomb&also="
 
 
 @pytest.fixture(scope="module")
@@ -56,74 +53,6 @@ ROOM = """found => {
     const sides = parseFloat(style.paddingLeft) + parseFloat(style.paddingRight);
     return found.clientWidth - sides - pen.measureText(found.selectedOptions[0].text).width;
 }"""
-
-
-class Page:
-    """A page of the explorer, and what went wrong on it."""
-
-    def __init__(self, browser, explorer, **options):
-        self.context = browser.new_context(**{"viewport": {"width": 1200, "height": 900}, "reduced_motion": "reduce", **options})
-        self.explorer, self.errors, self.outside = explorer, [], []
-        self.context.route("**/*", self._inside)
-        self.page = self.context.new_page()
-        self.page.set_default_timeout(WAIT)
-        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
-        self.page.on("console", lambda said: self.errors.append(said.text) if said.type == "error" else None)
-
-    def _inside(self, route):
-        """No host but ours can be reached."""
-        if urlsplit(route.request.url).netloc == urlsplit(self.explorer.address).netloc:
-            route.continue_()
-        else:
-            self.outside.append(route.request.url)
-            route.abort()
-
-    def open(self, hash=QUICK):
-        self.page.goto(f"{self.explorer.address}#{hash}")
-        self.settled()
-        return self
-
-    def settled(self, after=None):
-        """Wait until the curves of a slider that rests are drawn, later ones than `after`."""
-        old = -1 if after is None else after
-        self.page.locator("html[data-drawn$='fine']").wait_for(state="attached")
-        for _ in range(PATIENCE * 10):
-            if self.drawn() > old and self.attribute("html", "data-drawn").endswith("fine"):
-                return
-            self.page.wait_for_timeout(100)
-        raise AssertionError("nothing new was drawn")
-
-    def drawn(self):
-        """The number of the last answer that was drawn."""
-        return int((self.attribute("html", "data-drawn") or "-1").split()[0])
-
-    def attribute(self, selector, name):
-        return self.page.locator(selector).get_attribute(name)
-
-    @contextlib.contextmanager
-    def change(self):
-        """What is done within changes the page; afterwards it rests."""
-        before = self.drawn()
-        yield
-        self.settled(before)
-
-    def merit(self, name):
-        return self.page.locator(f"[data-quantity={name}]").inner_text()
-
-    def velocity(self):
-        """The mean velocity that is shown [m/s]."""
-        text = self.merit("mean_velocity")
-        number, unit = text.split()
-        return in_unit(f"{number.replace('−', '-')} {unit}", "m/s")
-
-    def slide(self, name, value):
-        """Put a slider somewhere, as a hand does."""
-        self.page.locator(f"input[name={name}]").evaluate(
-            "(el, value) => { el.value = value; el.dispatchEvent(new Event('input', {bubbles: true})); }", value
-        )
-
-    def said(self):
-        return self.page.locator("#said").inner_text()
 
 
 @pytest.fixture

@@ -40,6 +40,12 @@ def error_text(fit: Fit, name: str) -> str:
     return "(by profile)" if name in fit.bent else sure(fit.errors[name])
 
 
+def stated(fit: Fit, row: dict[str, str]) -> str:
+    """A row of `parameter_rows` as one writes a number: value, standard error, unit."""
+    unit = f" {row['unit']}".rstrip()
+    return f"{row['value']}{unit} {row['error']}" if row["name"] in fit.bent else f"{row['value']} {row['error']}{unit}"
+
+
 _UNITS = {"velocity": "m/s", "position": "m", "mean": "m/s", "force": "N", "applied force": "N", "torque": "N m", "current": "A"}
 
 
@@ -194,8 +200,7 @@ def report_text(fit: Fit) -> str:
         if row["name"] in fit.undetermined:
             rows.append(f"  {name} {NOT_DETERMINED}: {fit.values[row['name']]:.3g}{unit} is one of many values that fit as well")
         else:
-            stated = f"{row['value']}{unit} {row['error']}" if row["name"] in fit.bent else f"{row['value']} {row['error']}{unit}"
-            rows.append(f"  {name} = {stated}   95 % {row['low']} to {row['high']}")
+            rows.append(f"  {name} = {stated(fit, row)}   95 % {row['low']} to {row['high']}")
     rows += [f"  {line}" for line in (known_line(fit), *sensor_lines(fit), *cost_lines(fit), *input_lines(fit)) if line]
     for q in fit.quality:
         noise = f", noise {q.noise:.3g} {q.unit}" if np.isfinite(q.noise) else ""

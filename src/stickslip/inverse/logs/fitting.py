@@ -8,16 +8,16 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from stickslip.basics.arguments import explains_arguments
-from stickslip.basics.errors import InputError, Problems, StickslipError, did_you_mean
+from stickslip.basics.errors import InputError, StickslipError, did_you_mean
 from stickslip.inverse.identification.fit_text import unit_of_parameter
 from stickslip.inverse.identification.ranking import UNDECIDED, Ranking, rank
 from stickslip.inverse.identification.uncertainty import faults
 from stickslip.inverse.logs.log_fit import LogFit
-from stickslip.inverse.logs.machines import Kind, Task, kind_named, kinds_for
-from stickslip.inverse.logs.proposals import Proposal, missing_units, of_channels, of_numbers, table
+from stickslip.inverse.logs.machines import Kind, Task
+from stickslip.inverse.logs.plan import Plan, plan_of
+from stickslip.inverse.logs.proposals import Proposal, of_numbers
 from stickslip.inverse.logs.symmetry import by_sides, symmetry_of
 from stickslip.records import Record, read
-from stickslip.records.candidates import candidate_unit, typed_units, without_unit
 
 _MOST = 6000  # samples on which laws are compared
 
@@ -92,17 +92,21 @@ def fit(
     """
     files, units, roles, given = list(file) if isinstance(file, (list, tuple)) else [file], units or {}, roles or {}, dict(numbers or {})
     records = [each if isinstance(each, Record) else read(each, units=units, roles=roles, **reading) for each in files]
-    channels = _unique(line for rec in records for line in of_channels(rec, units, roles))
-    _check_units(records, channels)
-    kind, why, others = _kind(records, machine, channels)
-    _check_numbers(kind, given)
-    if lacking := kind.lacks(given):
-        raise InputError("fit", [f"{lacking}\n{table(channels)}"])
+    readings = [written(each, units, roles, reading) for each in files]
+    return fit_plan(plan_of(records, units, roles, machine, given), readings, law, asymmetric, sensor, starts, progress)
+
+
+def fit_plan(
+    plan: Plan, readings: Sequence[str], law: str | None = None, asymmetric: bool = False, sensor: dict[str, Any] | None = None,
+    starts: int = 16, progress: Any = None,
+) -> LogFit:  # fmt: skip
+    """The fit of a plan; `readings` says for each record how it is read, as Python, and the rest is as for `fit`."""
+    kind, why, records, given = plan.checked(), plan.why, plan.records, plan.given
     step = _step(records) if law is None and kind.over_motion else 1
     search = _Search([every(rec, step) for rec in records], given, asymmetric, sensor, starts, progress)
     fits, tasks, ranking, best = _laws(kind, search, law)
     questions: list[str] = []
-    for other in others:
+    for other in plan.rivals:
         another = search.tried(other, best)[1]
         apart = _apart(fits[best], another)
         if faults(fits[best]) and not faults(another):
@@ -112,9 +116,9 @@ def fit(
             how = f"fits better, by ΔAICc {-apart:.3g}" if apart < -UNDECIDED else f"fits as well: ΔAICc {apart:.2g}"
             questions.append(f'machine="{other.name}" ({other.words}) {how}; the {kind.name} has fewer numbers')
     if step > 1:
-        tasks[best], fits[best] = replace(search, records=records).tried(kind, best)
-    proposals = [*channels, *of_numbers(given, kind.assumed(records, given))]
-    able = [name for name in kinds_for(records) if name != kind.name]
+        tasks[best], fits[best] = replace(search, records=[*records]).tried(kind, best)
+    proposals = [*plan.channels, *of_numbers(given, kind.assumed(records, given))]
+    able = [name for name in plan.able if name != kind.name]
     proposals.append(Proposal("machine", f"{kind.name}: {kind.words}", why, f"--machine {' or '.join(able) or 'NAME'}"))
     part = f", compared on one sample of {step}" if step > 1 else ""
     proposals.append(Proposal("law", best, "typed" if law else f"of {', '.join(fits)}{part}", "--law NAME"))
@@ -127,9 +131,9 @@ def fit(
     notes = tuple(
         dict.fromkeys(f"{'' if len(records) == 1 else f'record {i}: '}{note}" for i, rec in enumerate(records) for note in rec.notes)
     )
-    readings = tuple(_written(each, units, roles, reading) for each in files)
+    measure = tuple(_next(chosen, kind))
     return LogFit(
-        kind.name, best, tuple(proposals), fits, tasks, ranking, symmetry, readings, tuple(questions), tuple(_next(chosen, kind)), notes,
+        kind.name, best, tuple(proposals), fits, tasks, ranking, symmetry, tuple(readings), tuple(questions), measure, notes,
     )  # fmt: skip
 
 
@@ -151,37 +155,6 @@ def every(rec: Record, step: int) -> Record:
         return rec
     thinned = {name: replace(c, values=c.values[::step], t=c.t[::step]) for name, c in rec.channels.items()}
     return rec.replace(channels=thinned)
-
-
-def _unique(lines: Any) -> list[Proposal]:
-    return list(dict.fromkeys(lines))
-
-
-def _check_units(records: Sequence[Record], channels: list[Proposal]) -> None:
-    """`InputError` with one line to paste, where units are missing."""
-    if any(missing_units(rec) for rec in records) or not kinds_for(records):
-        bare = {name: values for rec in records for name, values in without_unit(rec.channels.values()).items()}
-        if bare := {name: values for name, values in bare.items() if candidate_unit(name, values) != "1"}:
-            raise InputError("fit", [f"units are missing; type {typed_units(bare)} with the right ones\n{table(channels)}"])
-
-
-def _kind(records: Sequence[Record], machine: str | None, channels: list[Proposal]) -> tuple[Kind, str, list[Kind]]:
-    """The kind of machine, why it is that, and others that the same laws may be compared with."""
-    possible = kinds_for(records)
-    if machine is not None:
-        kind = kind_named(machine)
-        if kind.name not in possible:
-            able = f"it suits {', '.join(possible)}" if possible else "it suits none"
-            raise InputError("fit", [f"machine = {machine!r} needs other channels than these: {able}\n{table(channels)}"])
-        return kind, "typed", []
-    if not possible:
-        wants = "a force over a position or velocity, a torque or a current over an angle, or a velocity over time"
-        wants += " (a command and an angle alone are not fitted: log the torque or the current too)"
-        raise InputError(
-            "fit", [f'no machine suits the file: it needs {wants}; type roles={{"...": "force"}} where a channel is one\n{table(channels)}']
-        )
-    (kind, why), *more = possible.values()
-    return kind, why, [other for other, _ in more if set(kind.laws) <= set(other.laws)]
 
 
 @dataclass(frozen=True)
@@ -208,17 +181,6 @@ def _apart(one: Any, other: Any) -> float:
     """By how much the AICc of another fit is above that of one."""
     rows = {row.label: row.aicc for row in rank({"one": one, "other": other}).rows}
     return float(rows["other"] - rows["one"])
-
-
-def _check_numbers(kind: Kind, given: dict[str, Any]) -> None:
-    problems = Problems("fit")
-    for name, value in given.items():
-        if name not in kind.takes:
-            able = ", ".join(f"{known} ({words})" for known, words in kind.takes.items())
-            problems.add(f"numbers names {name!r}; {did_you_mean(name, kind.takes)}; a {kind.name} takes {able}")
-        elif not isinstance(value, (int, float)) or isinstance(value, bool):
-            problems.add(f"{name} = {value!r} is not a number; type for example {name}=1.0")
-    problems.check()
 
 
 def _laws(kind: Kind, search: _Search, law: str | None) -> tuple[dict[str, Any], dict[str, Task], Ranking | None, str]:
@@ -256,7 +218,7 @@ def _next(chosen: Any, kind: Kind) -> list[str]:
     return [f"for {', '.join(poor)}: {plan.notes[0]}"]
 
 
-def _written(file: Any, units: dict[str, str], roles: dict[str, str], reading: dict[str, Any]) -> str:
+def written(file: Any, units: dict[str, str], roles: dict[str, str], reading: dict[str, Any]) -> str:
     """How a file is read, as Python; a record that was given is a name."""
     if isinstance(file, Record):
         return "ss.read(path)" if "path" not in file.source else f"ss.read({str(file.source['path'])!r})"

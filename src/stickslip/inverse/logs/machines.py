@@ -67,6 +67,7 @@ class Kind(ABC):
     richer: ClassVar[tuple[str, ...]] = ()  # laws that are tried where none of the others is supported
     over_motion: ClassVar[bool] = True  # whether forces are fitted over a motion
     takes: ClassVar[dict[str, str]] = {}  # numbers that may be typed, with what they are
+    needs: ClassVar[dict[str, str]] = {}  # those of them without which nothing can be fitted, with an example
 
     @abstractmethod
     def suits(self, rec: Record) -> str:
@@ -248,6 +249,7 @@ class Shaken(Kind):
         "amplitude": "amplitude of the inner mass [m]", "tilt_deg": "tilt of the track [degrees]", "frequency": "of the drive [Hz]",
         "body_mass": "[kg]", "inner_mass": "[kg]",
     }  # fmt: skip
+    needs: ClassVar[dict[str, str]] = {"amplitude": "5e-4", "tilt_deg": "1.7"}
     _free: ClassVar[dict[str, tuple[Any, ...]]] = {"mu0": (0.01, 1.0), "f0": (0.01, 1.5), "v_s": (1e-4, 0.1, "log")}
     _of: ClassVar[dict[str, tuple[str, ...]]] = {"coulomb": ("mu0",), "coulomb-static": ("mu0", "f0"), "lugre": ("mu0", "f0", "v_s")}
 
@@ -265,10 +267,10 @@ class Shaken(Kind):
 
     def lacks(self, given: dict[str, Any]) -> str:
         """What has to be typed, in a sentence; empty where nothing is missing."""
-        missing = [name for name in ("amplitude", "tilt_deg") if name not in given]
+        missing = [name for name in self.needs if name not in given]
         if not missing:
             return ""
-        typed = ", ".join(f'"{name}": {"5e-4" if name == "amplitude" else "1.7"}' for name in missing)
+        typed = ", ".join(f'"{name}": {self.needs[name]}' for name in missing)
         need = "the motion of a shaken robot determines friction only where its drive is known"
         return f"{' and '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing: {need}; type for example numbers={{{typed}}}"
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.errors import InputError, Problems
+from stickslip.basics.errors import InputError, Problems, StickslipError
 from stickslip.show.explorer.frames import encoded
 from stickslip.show.explorer.requests import MOST_HARMONICS
 from stickslip.show.explorer.sliders import PARAMETERS
@@ -17,6 +17,7 @@ from stickslip.show.explorer.sliders import PARAMETERS
 MOST_BYTES, MOST_SAMPLES = 20_000_000, 400_000
 #: Largest number of samples of a drive, and the largest ratio of its mean to its standard deviation without a remark.
 MOST_DRIVE, _DRIFT = 20_000, 0.02
+_LONGEST_NAME = 80  # letters
 #: Numbers of harmonics of a drive; the first is that of the sawtooth, whose kernel is often ready.
 _COUNTS = (5, 10, 20, MOST_HARMONICS)
 
@@ -32,7 +33,7 @@ def velocity_response(name: str, data: bytes) -> bytes:
     >>> round(header["mean"], 9), round(header["step"], 9), arrays["v"].size
     (0.001, 0.001, 5)
     """
-    record = _read(name, data)
+    record = read_upload(name, data)
     if "velocity" not in record and "drive" in record:
         return encoded({"mean": None, "notes": ["it has no velocity of the body, but a drive"]})
     t, v, notes = _velocity(record)
@@ -43,18 +44,32 @@ def velocity_response(name: str, data: bytes) -> bytes:
     mean = float(np.trapezoid(v, t) / (t[-1] - t[0]))
     t, v = t[-MOST_SAMPLES:], v[-MOST_SAMPLES:]
     even = np.linspace(t[0], t[-1], t.size)
-    header = {"start": float(t[0]), "step": float((t[-1] - t[0]) / (t.size - 1)), "mean": mean, "notes": notes}
+    header = {"start": float(t[0]), "step": float((t[-1] - t[0]) / (t.size - 1)), "mean": mean, "notes": notes, "frequency": _line(t, v)}
     return encoded(header, {"v": np.interp(even, t, v)})
 
 
-def _read(name: str, data: bytes) -> Any:
-    """The record in these bytes."""
+def _line(t: Any, v: Any) -> float | None:
+    """The frequency of the strongest line of a velocity [Hz], of which there are at least two periods; None if it has none."""
+    try:
+        hertz = _frequency(t, v)
+    except StickslipError:
+        return None
+    return hertz if hertz * (t[-1] - t[0]) > 2 else None
+
+
+def file_name(name: str) -> str:
+    """The name of a file without folders, and not too long for a sentence."""
+    return re.split(r"[/\\]", name)[-1][-_LONGEST_NAME:]
+
+
+def read_upload(name: str, data: bytes, **options: Any) -> Any:
+    """The record in these bytes; `options` are those of `read`."""
     from stickslip.records.reading import read_bytes
 
     suffix = Path(name).suffix.lower()
     if not re.fullmatch(r"\.[a-z0-9]{1,5}", suffix):
         raise InputError("record", [f"{name[-40:]!r} has no known file extension; allowed is for example .csv, .mat or .uff"])
-    return read_bytes(data, f"record{suffix}")
+    return read_bytes(data, f"record{suffix}", **options)
 
 
 def _velocity(record: Any) -> tuple[Any, Any, list[str]]:
@@ -89,7 +104,7 @@ def drive_response(name: str, data: bytes) -> bytes:
     """
     from stickslip.models.drives import Recorded
 
-    t, v, notes = _relative_velocity(_read(name, data))
+    t, v, notes = _relative_velocity(read_upload(name, data))
     good = np.isfinite(t) & np.isfinite(v)
     t, v = t[good][-MOST_DRIVE:], v[good][-MOST_DRIVE:]
     period, mean = 1 / _frequency(t, v), float(np.mean(v))

@@ -157,6 +157,17 @@ async def _record(request: Request) -> Response:
     return await request.app.state.uploads.answer(request, what)
 
 
+async def _log(request: Request) -> Response:
+    """What a log is taken for, or its fit, with the choices in the address."""
+    try:
+        choices = _asked_json(request, "choices")
+    except InputError as error:
+        return PlainTextResponse(f"{error}\n", 400)
+    uploads = request.app.state.uploads
+    fits = request.url.path.startswith("/fit/")
+    return await (uploads.fitted(request, choices) if fits else uploads.answer(request, "plan", choices))
+
+
 def _asked_json(request: Request, name: str) -> Any:
     """The JSON value of a name in the query of an address."""
     query = request.scope["query_string"].decode("latin-1")
@@ -210,6 +221,8 @@ def application(
         Route("/machine/{name}", _machine_export),
         Route("/record/{name}", _record, methods=["POST"]),
         Route("/drive/{name}", _record, methods=["POST"]),
+        Route("/log/{name}", _log, methods=["POST"]),
+        Route("/fit/{name}", _log, methods=["POST"]),
         WebSocketRoute("/socket", _socket),
     ]
     return RequestGuard(Starlette(routes=routes, lifespan=life), host, token)

@@ -34,18 +34,20 @@ class Reader:
         self._seconds, self._child = seconds, ChildProcess("stickslip.show.explorer.upload_reading")
         self._prepared()
 
-    def read(self, what: str, name: str, data: bytes) -> bytes:
+    def read(self, what: str, name: str, data: bytes, choices: Any = None) -> bytes:
         """The response to a file; blocks until it is available or the deadline has passed.
 
         Parameters
         ----------
-        what : {"velocity", "drive"}
+        what : {"velocity", "drive", "plan", "record"}
         name : str
             Name of the file.
         data : bytes
+        choices : dict, optional
+            What the page has typed of a log.
         """
         try:
-            return self._child.ask({"what": what, "name": name}, data, self._seconds, _MEMORY)
+            return self._child.ask({"what": what, "name": name, "choices": choices}, data, self._seconds, _MEMORY)
         except OSError as error:
             return _problem(f"no process could be started to read the record: {error.strerror}")
         except ChildEnded as ended:
@@ -67,8 +69,12 @@ class Reader:
 # ---- in the process ----
 def _answer(wish: dict[str, Any], data: bytes) -> bytes:
     from stickslip.show.explorer.dropped_records import drive_response, velocity_response
+    from stickslip.show.explorer.log_uploads import plan_response, record_response
 
+    of_logs = {"plan": plan_response, "record": record_response}
     try:
+        if wish["what"] in of_logs:
+            return of_logs[wish["what"]](wish["name"], data, wish["choices"])
         return {"velocity": velocity_response, "drive": drive_response}[wish["what"]](wish["name"], data)
     except InputError as error:
         problems = [without_python(p) for p in error.problems]

@@ -1,6 +1,7 @@
 // The page: what is changed is asked for, what is answered is drawn.
 import * as controls from "./controls.js";
 import * as faster from "./faster.js";
+import * as fit from "./fit.js";
 import { Link } from "./link.js";
 import * as map from "./map.js";
 import { colour } from "./plane.js";
@@ -62,6 +63,7 @@ function changed(name = null) {
   options();
   faster.place(active(state).map((name) => parameters[name]), data.choices.drive[state.drive].parameters);
   faster.changed(state.values);
+  frequencies();
   map.place(state);
   strip.place(state);
   clearTimeout(resting);
@@ -205,17 +207,37 @@ $("zoom-all").addEventListener("click", () => velocity.zoom(0));
 // ---- a record ----
 async function load(file) {
   if (!file) return;
+  const { fits, beside } = await fit.offer(file);
+  if (!beside) { // a log of another machine: only its friction is of interest
+    forgetRecord();
+    say("");
+    return $("fit").scrollIntoView({ block: "start" });
+  }
   try {
     dropped = await record.opened(file);
     $("record-off").hidden = $("record-drive").hidden = false;
+    $("record-fit").hidden = !fits;
     say(dropped.notes.join("; "), "wait");
+    frequencies();
     draw();
   } catch (error) {
-    say(`${file.name}: ${error.message}`);
+    if (fits) $("fit").scrollIntoView({ block: "start" });
+    else say(`${file.name}: ${error.message}`);
   }
 }
+function forgetRecord() {
+  dropped = null;
+  $("record-off").hidden = $("record-drive").hidden = $("record-fit").hidden = true;
+  frequencies();
+  draw();
+}
+function frequencies() {
+  fit.frequencies(dropped, state.values.omega, parameters.omega, (omega) => { state.values.omega = omega; $("preset").value = ""; changed(); });
+}
+$("record-fit").addEventListener("click", () => $("fit").scrollIntoView({ block: "start" }));
+fit.listen();
 $("record").addEventListener("change", (event) => load(event.target.files[0]));
-$("record-off").addEventListener("click", () => { dropped = null; $("record").value = ""; $("record-off").hidden = $("record-drive").hidden = true; draw(); });
+$("record-off").addEventListener("click", () => { $("record").value = ""; forgetRecord(); });
 $("record-drive").addEventListener("click", async () => {
   try {
     const { amplitude, omega, shape, notes } = await record.drive(dropped.file);

@@ -1,0 +1,121 @@
+"""What files are taken for before anything is fitted: channels, the kind of machine, its numbers, and what has to be typed first."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from stickslip.basics.errors import InputError, Problems, did_you_mean
+from stickslip.inverse.logs.machines import Kind, kind_named, kinds_for
+from stickslip.inverse.logs.proposals import Proposal, missing_units, of_channels, table
+from stickslip.records.candidates import candidate_unit, typed_units, without_unit
+
+if TYPE_CHECKING:
+    from stickslip.records import Record
+
+_WANTED = (
+    "a force over a position or velocity, a torque or a current over an angle, or a velocity over time"
+    " (a command and an angle alone are not fitted: log the torque or the current too)"
+)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What `fit` is about to do with some records.
+
+    Parameters
+    ----------
+    records : tuple of Record
+    channels : tuple of Proposal
+        What each channel is taken for.
+    given : dict
+        Numbers of the machine that were typed.
+    kind : Kind or None
+        The kind of machine; None where no kind suits the channels.
+    why : str
+        What of the records speaks for it.
+    able : dict of str -> Kind
+        All kinds that the channels suit.
+    problem : str
+        What has to be typed before anything can be fitted; empty where nothing is missing.
+    """
+
+    records: tuple[Record, ...]
+    channels: tuple[Proposal, ...]
+    given: dict[str, Any]
+    kind: Kind | None
+    why: str
+    able: dict[str, Kind]
+    problem: str
+
+    @property
+    def rivals(self) -> list[Kind]:
+        """Other kinds that the same laws may be compared with, where nobody typed one."""
+        if self.kind is None or self.why == "typed":
+            return []
+        return [other for other in self.able.values() if other is not self.kind and set(self.kind.laws) <= set(other.laws)]
+
+    @property
+    def assumed(self) -> dict[str, tuple[str, str]]:
+        """Numbers that nobody gave: name -> (value in words, why)."""
+        return {} if self.kind is None else self.kind.assumed(self.records, self.given)
+
+    def checked(self) -> Kind:
+        """The kind of machine; `InputError` with the table of channels where something has to be typed first."""
+        if self.problem or self.kind is None:
+            raise InputError("fit", [f"{self.problem}\n{table(self.channels)}"])
+        return self.kind
+
+
+def plan_of(records: Sequence[Record], units: dict[str, str], roles: dict[str, str], machine: str | None, given: dict[str, Any]) -> Plan:
+    """What is to be done with some records, of which units and roles were typed.
+
+    Examples
+    --------
+    >>> from stickslip.records import read
+    >>> rec = read({"time_s": [0.0, 0.1, 0.2], "pos_mm": [0.0, 1.0, 0.0], "F_N": [1.0, 2.0, -1.0]})
+    >>> plan = plan_of([rec], {}, {}, None, {})
+    >>> plan.kind.name, plan.why, plan.problem
+    ('rig', 'a force beside a position', '')
+    >>> plan_of([read({"time_s": [0.0, 0.1], "v_mm_s": [1.0, 2.0]})], {}, {}, None, {}).problem[:34]
+    'amplitude and tilt_deg are missing'
+    """
+    channels = tuple(dict.fromkeys(line for rec in records for line in of_channels(rec, units, roles)))
+    possible = kinds_for(records)
+    able = {name: kind for name, (kind, _) in possible.items()}
+    kind, why = next(iter(possible.values()), (None, ""))
+    problem = _bare(records, bool(able))
+    if machine is not None:
+        named = kind_named(machine)
+        if named.name in able:
+            kind, why = named, "typed"
+        else:
+            suits = f"it suits {', '.join(able)}" if able else "it suits none"
+            problem = problem or f"machine = {machine!r} needs other channels than these: {suits}"
+    if kind is None:
+        problem = problem or f'no machine suits the file: it needs {_WANTED}; type roles={{"...": "force"}} where a channel is one'
+    elif not problem:
+        _check_numbers(kind, given)
+        problem = kind.lacks(given)
+    return Plan(tuple(records), channels, given, kind, why, able, problem)
+
+
+def _bare(records: Sequence[Record], suits: bool) -> str:
+    """One line to paste, where units are missing."""
+    if not any(missing_units(rec) for rec in records) and suits:
+        return ""
+    bare = {name: values for rec in records for name, values in without_unit(rec.channels.values()).items()}
+    bare = {name: values for name, values in bare.items() if candidate_unit(name, values) != "1"}
+    return f"units are missing; type {typed_units(bare)} with the right ones" if bare else ""
+
+
+def _check_numbers(kind: Kind, given: dict[str, Any]) -> None:
+    problems = Problems("fit")
+    for name, value in given.items():
+        if name not in kind.takes:
+            able = ", ".join(f"{known} ({words})" for known, words in kind.takes.items())
+            problems.add(f"numbers names {name!r}; {did_you_mean(name, kind.takes)}; a {kind.name} takes {able}")
+        elif not isinstance(value, (int, float)) or isinstance(value, bool):
+            problems.add(f"{name} = {value!r} is not a number; type for example {name}=1.0")
+    problems.check()
