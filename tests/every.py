@@ -503,7 +503,7 @@ def _strobe(c):
 
 
 def _spectrum(c):
-    run = c.run()
+    run = c.run() if c.machine.period is not None else ss.solve(c.machine, duration=60.0)
     lines = ss.dynamics.spectrum(run)
     assert lines.amplitude.dims == (("body", "order") if c.axes else ("order",))
     last = ss.dynamics.spectrum(run, body=len(run.bodies) - 1 if c.axes else 0)
@@ -616,7 +616,79 @@ def _phase_of_flow(c):
     assert ss.plot.phase(c.run()).get_ylabel() == c.machine.states[1]
 
 
+def _energy_of_flow(c):
+    """What friction takes is what the law gives on samples of the run, by the trapezoidal rule."""
+    run = ss.solve(c.machine, **(c.length if c.machine.period is not None else {"duration": 40.0}))
+    name = next(iter(run.contacts), "")
+    taken, t = ss.energy(run).friction_of[name][0], np.linspace(*run.nodes[[0, -1]], 400_001)
+    at = run.at(t)
+    samples = np.trapezoid(at[f"friction_force_{name}"] * at[f"slip_{name}"], t)
+    assert abs(taken / samples - 1.0) < 1e-5  # the forces have corners and jumps at the switches
+
+
+def _check_of_flow(c):
+    length = {"periods": 2} if c.machine.period is not None else c.length
+    sure = ss.check(c.machine, **length)
+    assert sure.digits >= 9 and len(sure.judges) == 3
+
+
+def _save_of_flow(c):
+    run = c.run()
+    again = ss.load(run.save(c.folder / "run.nc"), machines=[c.machine.replace({c.number: c.values[1]})])
+    assert again.model.numbers == c.machine.numbers and np.array_equal(again.y, run.y) and again.events == run.events
+
+
+def _contacts_of_flow(c):
+    ax = ss.plot.contacts(c.run())
+    assert [label.get_text() for label in ax.get_yticklabels()] == list(c.machine.contacts) and ax.collections
+
+
+def _forces_of_flow(c):
+    assert ss.plot.forces(c.run()).get_ylabel() == "friction force $R$"
+
+
+def _strobe_of_flow(c):
+    run = c.run()
+    points = ss.dynamics.strobe(run, settle=0)
+    assert np.array_equal(points[c.machine.states[0]], run.strobe[:-1, 0])
+
+
+def _spectrum_of_flow(c):
+    """The mean is that of the cycle."""
+    run = c.run() if c.machine.period is not None else ss.solve(c.machine, duration=200.0, start=START_OF.get(c.name))
+    lines = ss.dynamics.spectrum(run)
+    assert lines.amplitude.dims == ("order",) and len(lines.order) > 40 and ss.plot.spectrum(lines).get_xlabel()
+
+
+#: Where flows begin that would rest at zero.
+START_OF = {"a flow without a period": {"x": 0.5}, "a Filippov flow": {"prey": 1.0, "predator": 0.5}}
+
+
+def _command_of_flow(c):
+    import contextlib
+    import io
+
+    from stickslip.show.cli import main
+
+    (c.folder / "flow_of_every.py").write_text(f"from every import every_machine\n\ndef flow():\n    return every_machine[{c.name!r}][0]\n")
+    how = "\n".join(f"{name} = {value}" for name, value in c.length.items())
+    (c.folder / "flow.toml").write_text(f'make = "flow_of_every.py:flow"\n\n[solve]\n{how}\n', encoding="utf-8")
+    out = io.StringIO()
+    with contextlib.redirect_stdout(out):
+        assert main(["run", str(c.folder / "flow.toml"), "--allow-code", "--figure", str(c.folder / "flow.png")]) == 0
+    assert all(name in out.getvalue() for name in ("motion", "modes", *c.machine.states))
+
+
+def _velocity_map_of_flow(c):
+    ax = ss.plot.velocity_map(ss.map(c.machine, **c.axis, **c.other, **c.length), quantity=f"max_{c.machine.states[0]}")
+    assert ax.get_xlabel() and ax.figure.axes[-1].get_ylabel().startswith(f"max {c.machine.states[0]}")
+
+
 _OF_FLOW = {
+    "plot.velocity_map": _velocity_map_of_flow,
+    "ss.energy": _energy_of_flow, "ss.check": _check_of_flow, "run.save, ss.load": _save_of_flow, "plot.contacts": _contacts_of_flow,
+    "plot.forces": _forces_of_flow, "ss.dynamics.strobe": _strobe_of_flow, "ss.dynamics.spectrum": _spectrum_of_flow,
+    "stickslip run": _command_of_flow,
     "ss.solve": _solve_flow, "a batch": _batch_of_flow, "ss.sweep": _sweep_of_flow, "ss.map": _map_of_flow, "ss.basins": _basins_of_flow,
     "ss.attractors": _attractors_of_flow, "ss.dynamics.edge_state": _edge_state_of_flow,
     "run.to_xarray": _xarray_of_flow, "CSV": _csv_of_flow, "plot.phase": _phase_of_flow,
@@ -630,6 +702,7 @@ def door_of(door, case):
 
 #: Results that have no `plot()`, and why.
 without_picture = {
+    "FlowCheck": "digits of the states at the end: ss.plot.states(run) draws the run",
     "Certificate": "a proof about one motion: its periodic orbit draws itself",
     "Hops": "four numbers of a run: ss.plot.contacts draws the run",
     "Passage": "the two ends of a stretch: the run of the flow draws itself",

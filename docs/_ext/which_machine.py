@@ -34,7 +34,7 @@ def short(problem):
         return f"it takes one body on one contact: {of_one[1]}"
     if "that of a flow" in problem or "<FlowRun" in problem:
         return "a run of a flow has states of its own, and no bodies and contacts"
-    said = re.split(r"; (?:allowed|type|give|in Python|take)", problem, maxsplit=1)[0].replace("|", "/")
+    said = re.split(r"; (?:allowed|type|give|write|in Python|take)", problem, maxsplit=1)[0].replace("|", "/")
     said = re.sub(r"^'[^']*\.nc' ", "the file ", said)
     return re.sub(r"^([A-Z]\w+|<SwitchingFlow[^>]*>) (has|is|lists)", r"it \2", said)
 

@@ -10,7 +10,7 @@ import pytest
 from matplotlib.mathtext import MathTextParser
 
 import stickslip as ss
-from every import DRY, SHAKEN, with_bodies
+from every import DRY, SHAKEN, every_machine, with_bodies
 from latex_values import value
 from models.machines.test_mirrored_machines import WORM, Everything, Prescribed
 from registries import examples
@@ -224,3 +224,32 @@ def test_lugre_friction_is_written_in_the_order_in_which_it_is_published():
 def test_numbers_are_short(number, text):
     written = text_of(number * symbol("x"))
     assert written == text and value(written, {"x": 3.0}) == pytest.approx(3.0 * number, rel=1e-15)
+
+
+def test_a_flow_has_its_rates_its_switches_and_the_laws_of_its_contacts():
+    assert lines(every_machine["a flow with contacts"][0]) == [
+        r"\dot x &= v",
+        r"\dot v &= - R - k x",
+        r"w &= v - u",
+        "N &= 9.81",
+        r"R &= N \left(0.1 e^{- 10 w} + 0.2\right), && w > 0",
+        r"R &= N \left(- 0.1 e^{10 w} - 0.2\right), && w < 0",
+        r"- 0.3 N \le R &\le 0.3 N, && w = 0",
+    ]
+    assert lines(every_machine["a flow without a period"][0]) == [
+        r"\dot x &= v",
+        r"\dot v &= \mu v \left(1 - x^{2}\right) - x",
+        r"\mathrm{gap} - x &= 0, && \mathrm{mode}\ 0 \to \mathrm{mode}\ 0",
+        r"x^+ &= \mathrm{gap}, && \mathrm{mode}\ 0 \to \mathrm{mode}\ 0",
+        r"v^+ &= - r v, && \mathrm{mode}\ 0 \to \mathrm{mode}\ 0",
+    ]
+    hunted = lines(every_machine["a Filippov flow"][0])
+    assert r"\mathrm{limit} - \mathrm{predator} &= 0, && \mathrm{free} \to \dots" in hunted
+    assert sum(r"\mathrm{free}, \mathrm{hunted}" in line for line in hunted) == 1  # the prey has one rate there
+    henon = ss.SwitchingFlow.of_map(lambda y, n: (1 - n.a * y[0] ** 2 + y[1], n.b * y[0]), {"a": 0.3, "b": 0.3})
+    assert r"y_{0}^+ &= y_{1} - a y_{0}^{2} + 1, && \mathrm{before} \to \mathrm{after}" in lines(henon)
+    for name in ("a SwitchingFlow", "a flow with contacts", "a flow without a period", "a Filippov flow"):
+        for line in lines(every_machine[name][0]):
+            MathTextParser("path").parse(f"${line.replace('&', '').replace(LE, LEQ)}$")
+    with pytest.raises(ss.InputError, match="a function of this flow cannot be written as a formula; write it with"):
+        ss.latex(ss.SwitchingFlow(lambda t, y: (math.sin(y[0]),)))

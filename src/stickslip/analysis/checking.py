@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from stickslip.analysis.energy import energy
+from stickslip.analysis.flow_check import check_flow_run
 from stickslip.analysis.steady import closed_mean_velocity, mean_velocity, period_number
 from stickslip.analysis.verdict import RK4, certain_digits, finding, naive, transient_words
 from stickslip.basics.arguments import Model, described_as, explains_arguments
@@ -18,7 +19,8 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible, look, partial_result
 from stickslip.basics.notebook_display import Drawn
 from stickslip.basics.progress import reporting
-from stickslip.models.machine_adapter import is_machine, machine_of
+from stickslip.models.machine_adapter import machine_of
+from stickslip.models.model_adapter import adapter_of, is_model
 from stickslip.solvers import rk4, solve
 from stickslip.solvers.closed_arcs import handles
 
@@ -164,7 +166,7 @@ def check(
     progress: Callable[[str, int, int], None] | bool | None = None,
     duration: float | None = None,
 ) -> Check:
-    """Solve one robot by several methods and report how many digits of its mean velocity are certain.
+    """Solve one robot by several methods and report how many digits of its mean velocity are certain; of a flow those of its states.
 
     The answer is the mean velocity over the second half of `periods`, or over the whole run if the model has no period. It is compared with
     tighter tolerances of the same solver, with one of SciPy's integrators and the same law in plain Python over a few periods, for Coulomb
@@ -173,8 +175,8 @@ def check(
 
     Parameters
     ----------
-    robot : Robot, mechanism or machine
-        A single one, not a batch.
+    robot : Robot, mechanism, machine or SwitchingFlow
+        A single one, not a batch. Of a flow the states at the end are compared, after at most 12 periods of its forcing.
     periods : int
         Drive periods.
     rtol : float
@@ -192,7 +194,7 @@ def check(
 
     Returns
     -------
-    Check
+    Check or FlowCheck
 
     Examples
     --------
@@ -202,6 +204,9 @@ def check(
     ('0.002032 m/s', True)
     """
     _check_arguments(robot, rk4_steps, duration)
+    if not adapter_of(robot).has_bodies:
+        of_flow: Any = check_flow_run(robot, periods, duration, start)  # type: ignore[arg-type]
+        return of_flow
     court = _Court(robot, periods, start, duration)
     dynamic = machine_of(robot).has_inner_states
     tell = _stage_reporter(progress, 1 + scipy + len(rk4_steps))
@@ -240,7 +245,7 @@ def check(
 def _check_arguments(robot: Model, rk4_steps: Any, duration: Any) -> None:
     """Refuse arguments that no method accepts; all problems are reported at once."""
     problems, name = Problems("check"), type(robot).__name__
-    if not is_machine(robot):
+    if not is_model(robot):
         problems.add(f"{robot!r} is not a robot; type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4)")
     elif shape_of(robot):
         problems.add(f"the robot is a batch of shape {shape_of(robot)}; allowed is one robot; take one case of it")

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from stickslip.analysis.flow_contacts import flow_contact_modes
 from stickslip.analysis.motion import DWELL, SLIP_RATIO
 from stickslip.analysis.run_segments import WatchedContact, elastic_segments, pieces_within, watched_contacts
 from stickslip.basics.contracts import Array
@@ -14,6 +15,7 @@ from stickslip.basics.maths import bisected
 from stickslip.models.machine_adapter import machine_of
 
 if TYPE_CHECKING:
+    from stickslip.results.flow_run import FlowRun
     from stickslip.results.trajectory import Trajectory
 
 
@@ -28,7 +30,7 @@ def contact_modes(run: Trajectory, start: float, end: float) -> dict[str, list[S
 
     Under a set-valued law they are the run's own. Under a law with inner states a contact sticks by the rule of `stickslip.motion`: while
     the elastic part of the friction is below a part of its steady sliding value, for at least a part of the drive's period, or of the
-    machine's own time where it has no period.
+    machine's own time where it has no period. In a flow it never sticks under such a law, and the sign is that of its slip.
 
     Examples
     --------
@@ -38,6 +40,8 @@ def contact_modes(run: Trajectory, start: float, end: float) -> dict[str, list[S
     >>> {name: [sign for _, _, sign in stretches] for name, stretches in found.items()}
     {'module 1': [-1, 1, -1], 'module 2': [1, 0, -1, 0, 1]}
     """
+    if not run.pieces.layout.bodies:
+        return {name: _joined(*of, start, end) for name, of in flow_contact_modes(cast("FlowRun", run), start, end).items()}
     return {name: _stretches(watched, start, end, run._aloft[:, i]) for i, (name, watched) in enumerate(watched_contacts(run).items())}
 
 
@@ -116,6 +120,8 @@ def hits(run: Any, start: float, end: float) -> dict[str, list[tuple[float, floa
 def landings(run: Trajectory, start: float, end: float) -> dict[str, list[float]]:
     """When each contact lands within a span [s], of those that fly."""
     landings: dict[str, list[float]] = {}
+    if not run.pieces.layout.bodies:
+        return landings
     for _, event in run._flights:
         if event.kind == "landing" and start <= event.t <= end:
             landings.setdefault(event.part, []).append(event.t)
@@ -124,6 +130,8 @@ def landings(run: Trajectory, start: float, end: float) -> dict[str, list[float]
 
 def stop_rows(run: Trajectory, start: float, end: float) -> dict[str, tuple[list[Stretch], list[float]]]:
     """For each stop, by a name that no contact has, when it is pressed (sign 2) and when it is hit [s]."""
+    if not run.pieces.layout.bodies:  # a flow declares no stops
+        return {}
     pressed, struck = pressed_stops(run, start, end), hits(run, start, end)
     return {
         f"{name} (stop)" if name in run.contacts else name: (

@@ -112,10 +112,11 @@ def coulomb_borders(grid: Grid, x: str | None = None, y: str | None = None) -> l
 
 def plane_of(grid: xr.Dataset, x: str | None = None, y: str | None = None) -> tuple[str, str]:
     """Names of the two axes of a map; `InputError` if it has not two of numbers."""
-    if "mean_velocity" not in grid:
+    of_cases = next((name for name in ("mean_velocity", "status") if name in grid), None)
+    if of_cases is None:
         has = ", ".join(str(name) for name in grid.data_vars)
-        raise InputError("map", [f"the dataset has no mean_velocity; type grid[name].plot() for one of {has}"])
-    dims = [str(d) for d in grid["mean_velocity"].dims]
+        raise InputError("map", [f"the dataset has no mean_velocity and no status; type grid[name].plot() for one of {has}"])
+    dims = [str(d) for d in grid[of_cases].dims]
     first = x or next((d for d in dims if d != y), "")
     second = y or next((d for d in dims if d != first), "")
     if sorted(dims) != sorted((first, second)) or any(grid[d].dtype.kind not in "iuf" for d in dims):

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.analysis.flow_contacts import friction_work
 from stickslip.analysis.losses_at_instants import at_landings, lost_at_hits
 from stickslip.analysis.steady import is_run
 from stickslip.basics.arguments import described_as, explains_arguments
@@ -77,6 +78,17 @@ class Energy(Drawn):
     damping_of: dict[str, Array] = field(default_factory=dict)
 
     _drawn_by = "energy"
+    unit = "J"
+
+    @property
+    def works(self) -> dict[str, Array]:
+        """What a figure stacks for each period, negative where energy is taken."""
+        return {"drive": self.drive, "gravity": self.gravity, "friction": -self.friction, "damping": -self.damping}
+
+    @property
+    def stored(self) -> Array:
+        """Change of the kinetic and the potential energy in each period [J]."""
+        return np.asarray(self.kinetic + self.potential)
 
     def _facts(self) -> dict[str, Any]:
         works = {name: getattr(self, name) for name in ("drive", "gravity", "friction", "damping")}
@@ -100,7 +112,7 @@ class Energy(Drawn):
 
 @explains_arguments
 def energy(run: Trajectory) -> Energy:
-    """Energy balance of a run, period by period.
+    """Energy balance of a run, period by period; of a run of a flow with contacts the work that friction takes.
 
     The forces in the integrals are those that the law and the drive give on the dense output, not those that the equation of motion
     implies, so the residual measures how well the run satisfies it.
@@ -111,7 +123,12 @@ def energy(run: Trajectory) -> Energy:
 
     Returns
     -------
-    Energy
+    Energy or FrictionWork
+
+    Raises
+    ------
+    InputError
+        Of a flow without contacts, which has no forces.
 
     Examples
     --------
@@ -122,7 +139,10 @@ def energy(run: Trajectory) -> Energy:
     >>> ss.energy(Trajectory(robot, at_rest, periods=1, settle=0, rtol=1e-6, method="by hand")).friction.tolist()
     [0.0]
     """
-    is_run("energy", run)
+    is_run("energy", run, bodies=False)
+    if not run.pieces.layout.bodies:
+        of_flow: Any = friction_work(run)  # type: ignore[arg-type]
+        return of_flow
     run, mechanics = run.with_axes, machine_of(run.model).mechanics
     borders, x, v = _borders(run)
     edges, index, owner = _cut(run, borders)

@@ -119,16 +119,17 @@ def of_a_record(what: str, given: Any, **options: float | None) -> None:
             raise InputError(what, [f"{mistake}, whose drive is known; type ss.{what}(run)"])
 
 
-def is_run(what: str, run: Trajectory) -> None:
-    """Say what to type where something else than a run was given."""
-    if isinstance(run, Trajectory) and not run.pieces.layout.bodies:
+def is_run(what: str, run: Trajectory, bodies: bool = True) -> None:
+    """Say what to type where something else than a run was given; with `bodies`, also of a run that has none."""
+    if bodies and isinstance(run, Trajectory) and not run.pieces.layout.bodies:
         raise InputError(what, [NO_BODIES])
     if not hasattr(run, "settle"):
         raise InputError(what, [f"{type(run).__name__} given; allowed is a Trajectory; type for example ss.{what}(ss.solve(robot))"])
     if getattr(run, "interrupted", False):
         mistake = f"the run was {run.status}, and what is asked of it is that of the whole run"
         raise InputError(what, [f"{mistake}; type run.shortened() for the part that there is, or ss.solve again"])
-    steadiness.of_its_machine(what, run)
+    if bodies or run.pieces.layout.bodies:
+        steadiness.of_its_machine(what, run)
 
 
 def _too_short(run: Any) -> str:

@@ -1,4 +1,4 @@
-r"""The equations of a law, a robot or any machine as LaTeX: their plain Python called with letters, a law once for each direction."""
+r"""The equations of a law, a robot, a flow or any machine as LaTeX: their plain Python called with letters, a law once a direction."""
 
 from __future__ import annotations
 
@@ -8,24 +8,26 @@ from typing import Any
 from stickslip.basics.arguments import LawOrModel, explains_arguments
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import leaves, replace_leaf
+from stickslip.engine.latex_flows import lines_of_flow
 from stickslip.engine.latex_laws import lines_of_law
 from stickslip.engine.latex_motion import lines_of_motion
 from stickslip.engine.letters import symbol
 from stickslip.engine.tex import letters_of, text_of
 from stickslip.models.friction.law_adapter import is_law
-from stickslip.models.machine_adapter import is_machine
+from stickslip.models.model_adapter import adapter_of, is_model
 
 
 @explains_arguments
 def latex(model: LawOrModel) -> str:
-    r"""The equations of a friction law, robot or machine as LaTeX, derived from the code that solves them.
+    r"""The equations of a friction law, robot, machine or flow as LaTeX, derived from the code that solves them.
 
     Parameters
     ----------
-    model : Coulomb, LuGre or any law; Robot, mechanism or machine
+    model : Coulomb, LuGre or any law; Robot, mechanism or machine; SwitchingFlow
         Of what moves: the equation of motion of each body with the jumps of its velocity, the forces of links and elastic stops,
         prescribed distances and hits, and for each contact the load where it is no number of its own, and the law. Where the contact
-        moves, the law's v is the slip velocity w.
+        moves, the law's v is the slip velocity w. Of a flow the rates of its states by modes, where each mode is left for which other
+        (dots for one that a function chooses), and slip, load and law of its contacts.
 
     Returns
     -------
@@ -59,10 +61,10 @@ def latex(model: LawOrModel) -> str:
     - N \mu_{-} \le R &\le N \mu_{+}, && v = 0
     \end{aligned}
     """
-    if is_machine(model):
-        return aligned(lines_of_motion(model))
+    if is_model(model):
+        return aligned(lines_of_motion(model) if adapter_of(model).has_bodies else lines_of_flow(model))
     if not is_law(model):
-        given = f"{type(model).__name__} given; allowed is a friction law, a robot or a machine"
+        given = f"{type(model).__name__} given; allowed is a friction law, a robot, a machine or a flow"
         raise InputError("latex", [f"{given}; type for example ss.latex(robot.friction)"])
     traced = replace_leaf(model, letters_of(model, [name for name, _ in leaves(model)]).symbols)
     return aligned(lines_of_law(traced, symbol("N"), "v"))

@@ -86,14 +86,14 @@ def subscripted(letter: str, *indices: str) -> str:
     return letter + (f"_{{{joined}}}" if joined else "")
 
 
-def _letter(name: str) -> tuple[str, str]:
+def letter_of(name: str) -> tuple[str, str]:
     r"""A field's name as a letter and an index: ``mu_plus`` is \mu and +."""
     if name in _LETTERS:
         return _LETTERS[name], ""
     head, _, tail = name.partition("_")
     letters = head.rstrip("0123456789")
-    index = head[len(letters) :] + _NAMES.get(tail, tail if len(tail) < 2 else _upright(tail))
-    return f"\\{letters}" if letters in _GREEK else _NAMES.get(letters, letters if len(letters) == 1 else _upright(letters)), index
+    index = head[len(letters) :] + _NAMES.get(tail, tail if len(tail) < 2 else upright(tail))
+    return f"\\{letters}" if letters in _GREEK else _NAMES.get(letters, letters if len(letters) == 1 else upright(letters)), index
 
 
 def _own_letter(symbol: str) -> tuple[str, str]:
@@ -102,7 +102,7 @@ def _own_letter(symbol: str) -> tuple[str, str]:
     return letter, index.removeprefix("{").removesuffix("}") if index.startswith("{") else index
 
 
-def _upright(words: str) -> str:
+def upright(words: str) -> str:
     r"""Words as they stand, such as ``\mathrm{head}``; what is neither letter nor digit becomes a space."""
     return r"\mathrm{" + r"\ ".join(re.findall(r"[^\W_]+", words)) + "}"
 
@@ -121,7 +121,7 @@ def indices(names: Iterable[str]) -> list[str]:
     numbered = [re.fullmatch(r"(.*?)[ _]*(\d+)", name) for name in names]
     if all(numbered) and len({match[1] for match in numbered if match}) == 1:
         return [match[2] for match in numbered if match]
-    return [name if len(name) == 1 else _upright(name) for name in names]
+    return [name if len(name) == 1 else upright(name) for name in names]
 
 
 @dataclass(frozen=True)
@@ -168,10 +168,10 @@ def _ways(record: Any, name: str) -> tuple[tuple[str, str, str], str]:
     words, number = [p for p in places if not p.isdigit()], ",".join(str(int(p) + 1) for p in places if p.isdigit())
     digits = "%s" if number else ""
     own = str(field_description(record, name).get("symbol", ""))
-    stem, index = _own_letter(own) if own else _letter(words[-1])
-    owner = _upright(" ".join(words[:-1])) if words[:-1] else ""
+    stem, index = _own_letter(own) if own else letter_of(words[-1])
+    owner = upright(" ".join(words[:-1])) if words[:-1] else ""
     return (
         subscripted(stem, index, digits),
         subscripted(stem, index, digits, owner),
-        subscripted(_upright(" ".join(words)), digits),
+        subscripted(upright(" ".join(words)), digits),
     ), number

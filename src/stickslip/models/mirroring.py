@@ -11,6 +11,7 @@ from stickslip.basics.errors import InputError
 from stickslip.models.drives.turned import Reversed
 from stickslip.models.friction.law_adapter import law_of, mirrored_law as mirrored_law
 from stickslip.models.machine_adapter import machine_of
+from stickslip.models.model_adapter import adapter_of
 from stickslip.models.normal_loads import normal_load
 from stickslip.models.tracks.profiles import mirrored_track
 
@@ -62,6 +63,9 @@ def mirrored(robot: Model) -> Any:
 
 def _image(model: Any) -> Any:
     """The mirror image that a machine declares; for a robot, the one composed of the mirror images of its parts."""
+    if not adapter_of(model).has_bodies:
+        why = "a flow has no direction in space: which of its states change their sign is not known"
+        raise InputError("mirrored", [f"{why}; write the flow of the states with their signs changed"])
     own = machine_of(model).mirror_image
     if own is not None:
         return own()

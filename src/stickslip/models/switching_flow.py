@@ -297,7 +297,10 @@ class SwitchingFlow:
         return f"<SwitchingFlow: modes {', '.join(map(repr, self.fields))}{numbers}>"
 
 
-_NO_FILE = "the functions of a flow are Python, which no file holds; write them in a module, and import it"
+_NO_FILE = (
+    "the functions of a flow are Python, which no file holds; write a function in mine.py that returns the flow, and type "
+    'make = "mine.py:flow" in a study file, or import it'
+)
 
 
 def is_flow(model: Any) -> bool:

@@ -19,7 +19,7 @@ from stickslip.models.flow_contacts import ContactColumns, contact_columns
 from stickslip.results.datasets import FileColumns
 from stickslip.results.flow_drift import mean_rates
 from stickslip.results.flow_pieces import ModeChange, extremes
-from stickslip.results.storage import save_table
+from stickslip.results.storage import save_flow_run
 from stickslip.results.trajectory import APERIODIC, Trajectory
 
 NO_BODIES = (
@@ -173,11 +173,15 @@ class FlowRun(Trajectory):
         Returns
         -------
         dict
-            t, mode, and each state by its name, each of the shape of `t`.
+            t, mode, each state by its name, and slip, load and friction force of each contact with its name behind, as
+            "friction_force_belt"; each of the shape of `t`.
         """
         shape, t, index = self._placed(t)
         y = self.pieces.states(t, index)
         columns = {"t": t, "mode": self._labels(index), **{name: y[:, i] for i, name in enumerate(self.names)}}
+        if self.model.contacts:
+            rubbing = contact_columns(self.model, t, y, self.modes[index])
+            columns |= {f"{what}_{name}": getattr(contact, what) for name, contact in rubbing.items() for what in _OF_A_CONTACT}
         return {name: column.reshape(shape)[()] for name, column in columns.items()}
 
     # ---- extremes and strobe ----
@@ -255,12 +259,12 @@ class FlowRun(Trajectory):
 
     @explains_arguments
     def save(self, path: str | Path) -> Path:
-        """Write the columns to a netCDF4 file (.nc), .csv, .xlsx or .mat; returns its path.
+        """Write the run to a netCDF4 file (.nc), or its columns to .csv, .xlsx or .mat; returns its path.
 
-        The columns can be read back, but not the run: the functions of a flow are Python code, which cannot be stored in a file.
-        An existing file is replaced in a single step at the end.
+        The functions of a flow are Python code, which cannot be stored in a file: ``ss.load(path, machines=[flow])`` reads the run back
+        with the flow. An existing file is replaced in a single step at the end.
         """
-        return save_table(self, path, "run of a flow", "run")
+        return save_flow_run(self, path)
 
     _drawn_by = "states"
 

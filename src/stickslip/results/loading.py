@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from stickslip.basics.arguments import explains_arguments
+from stickslip.results.flow_files import CONTENT
+from stickslip.results.flow_run import FlowRun
 from stickslip.results.storage import read
 from stickslip.results.trajectory import Trajectory
 
 
 @explains_arguments
-def load(path: str | Path, laws: Sequence[type] = (), machines: Sequence[type] = ()) -> Trajectory:
-    """Read a run saved by `Trajectory.save`.
+def load(path: str | Path, laws: Sequence[type] = (), machines: Sequence[Any] = ()) -> Trajectory:
+    """Read a run saved by `Trajectory.save`, or by that of a flow.
 
     Parameters
     ----------
@@ -20,8 +23,9 @@ def load(path: str | Path, laws: Sequence[type] = (), machines: Sequence[type] =
     laws : sequence of classes
         User-defined friction laws of the run. Without them the run still has its motion (t, x, v, z, mode, strobe points); an error
         explains how to obtain its forces.
-    machines : sequence of classes
-        User-defined machines; a run of such a machine cannot be read without its class.
+    machines : sequence of classes and flows
+        User-defined machines; a run of such a machine cannot be read without its class. A run of a flow needs the flow itself, with any
+        numbers: those of the run are in the file, and its rates are compared with those of the run.
 
     Returns
     -------
@@ -39,4 +43,5 @@ def load(path: str | Path, laws: Sequence[type] = (), machines: Sequence[type] =
     >>> same.model == robot, bool((same.v == run.v).all())
     (True, True)
     """
-    return Trajectory(**read(path, laws, machines))
+    content, kept = read(path, laws, machines)
+    return FlowRun(**kept) if content == CONTENT else Trajectory(**kept)

@@ -28,6 +28,7 @@ from stickslip.models.machines import MECHANISMS
 from stickslip.models.mechanics import lists_parts
 from stickslip.models.robot import Robot
 from stickslip.models.tables import document_of
+from stickslip.results import flow_files
 from stickslip.results.datasets import attributes, names_of_parts, trajectory_dataset, write_csv
 from stickslip.results.dense_output import kind_of_pieces, pieces_from_arrays
 from stickslip.results.events import Event
@@ -86,10 +87,20 @@ def save(run: Any, path: str | Path) -> Path:
     return save_datasets(path, {"": (data, encoding), "pieces": (pieces, {name: {"_FillValue": None} for name in arrays})})
 
 
-def save_table(result: Any, path: str | Path, content: str, called: str) -> Path:
-    """Write the columns of a result that `load` does not read back, a batch or the run of a flow; the ending says how. Returns its path.
+def save_flow_run(run: FlowRun, path: str | Path) -> Path:
+    """Write the run of a flow, whose functions `load` is given again; the ending says how, as of `save`. Returns its path."""
+    import xarray as xr
 
-    `content` says in the file what it is, and `called` is the usual name of such a result.
+    arrays = {name: (tuple(f"{name}_{axis}" for axis in range(array.ndim)), array) for name, array in flow_files.arrays_of(run).items()}
+    dense = xr.Dataset(arrays, attrs={"kind": "flow", "run": flow_files.description_of(run)})
+    return save_table(run, path, flow_files.CONTENT, "run", {"pieces": (dense, {name: {"_FillValue": None} for name in arrays})})
+
+
+def save_table(result: Any, path: str | Path, content: str, called: str, more: dict[str, Any] | None = None) -> Path:
+    """Write the columns of a result that is no `Trajectory`; the ending says how. Returns its path.
+
+    `content` says in the file what it is, `called` is the usual name of such a result, and `more` are groups of a netCDF4 file beside
+    its columns.
     """
     path = as_path(path, "save", f"{called}.nc")
     if path.suffix.lower() in _OF_COLUMNS:
@@ -98,7 +109,7 @@ def save_table(result: Any, path: str | Path, content: str, called: str) -> Path
         typed = f"type for example {called}.save('{called}.nc')"
         raise InputError("save", [f"{str(path)!r} ends in {path.suffix!r}; allowed are {_ENDINGS}; {typed}"])
     attributes = {"stickslip_format": FORMAT, "stickslip_content": content}
-    return save_datasets(path, {"": (result.to_xarray().assign_attrs(attributes), {})})
+    return save_datasets(path, {"": (result.to_xarray().assign_attrs(attributes), {}), **(more or {})})
 
 
 def save_datasets(path: Path, groups: dict[str, tuple[Any, dict[str, Any]]], doing: str = "save") -> Path:
@@ -139,8 +150,8 @@ def _toml(model: Any, **changes: Any) -> str:
 _COLUMNS_ONLY = 'run.to_xarray().to_netcdf(path, engine="h5netcdf")'
 
 
-def read(path: str | Path, laws: Sequence[type] = (), machines: Sequence[type] = ()) -> dict[str, Any]:
-    """The arguments of `Trajectory` from a file that `save` wrote."""
+def read(path: str | Path, laws: Sequence[type] = (), machines: Sequence[Any] = ()) -> tuple[str, dict[str, Any]]:
+    """What a file holds that `save` or `save_flow_run` wrote, and the arguments of the run in it."""
     path = as_path(path, "load")
     give = "give the path of a file that run.save(path) wrote"
     try:
@@ -152,14 +163,22 @@ def read(path: str | Path, laws: Sequence[type] = (), machines: Sequence[type] =
     try:
         with hdf5.checked_file(path, "load", allowance := Allowance("load", size)) as file:
             attrs = {k: _one(v) for k, v in hdf5.plain_attributes(file, allowance, size).items()}
-            _check_format(attrs, path)
+            _check_format(attrs, path, "pieces" in file)
             kept = hdf5.plain_attributes(file["pieces"], allowance, size)
+            marks = json.loads(attrs.get("named_events", "[]"))
+            named = tuple(Event(float(t), KIND, int(before), int(after), str(name)) for t, name, before, after in marks)
+            if attrs["stickslip_content"] == flow_files.CONTENT:
+                of_flow = flow_files.run_from(_arrays(file), str(_one(kept["run"])), machines)
+                return flow_files.CONTENT, {**of_flow, "named_events": named}
             objects = {"pieces": _pieces(file, kept), "model": _model(attrs, laws, machines)}
         kept = {k: attrs[k] for k in ("method", "status", "rtol")} | {k: int(attrs[k]) for k in ("periods", "settle", "samples")}
         kept |= {"known_period": int(attrs["known_period"])} if "known_period" in attrs else {}
-        marks = json.loads(attrs.get("named_events", "[]"))
-        named = tuple(Event(float(t), KIND, int(before), int(after), str(name)) for t, name, before, after in marks)
-        return {**objects, **kept, "named_events": named, **{k: json.loads(attrs[k]) for k in ("start", "provenance", "counts")}}
+        return "trajectory", {
+            **objects,
+            **kept,
+            "named_events": named,
+            **{k: json.loads(attrs[k]) for k in ("start", "provenance", "counts")},
+        }
     except InputError:
         raise
     except OSError as error:
@@ -172,11 +191,15 @@ def _one(value: Any) -> Any:
     return value.item() if hasattr(value, "item") and value.size == 1 else value
 
 
+def _arrays(file: Any) -> dict[str, Any]:
+    """The arrays of the dense output, without the dimensions of netCDF beside them."""
+    members = hdf5.members(file["pieces"], "load")
+    return {k: np.asarray(hdf5.dataset_values(v)) for k, v in members if v is not None and "CLASS" not in v.attrs}
+
+
 def _pieces(file: Any, attrs: dict[str, Any]) -> Any:
-    """The dense output: its arrays, without the dimensions of netCDF beside them, and its layout."""
-    arrays = {
-        k: np.asarray(hdf5.dataset_values(v)) for k, v in hdf5.members(file["pieces"], "load") if v is not None and "CLASS" not in v.attrs
-    }
+    """The dense output: its arrays and its layout."""
+    arrays = _arrays(file)
     count = len(arrays["t"]) - 1
     if count < 1 or not np.all(np.diff(arrays["t"]) >= 0) or any(a.shape[:1] != (count,) for k, a in arrays.items() if k != "t" and a.ndim):
         raise ValueError("its pieces do not follow one another")
@@ -186,7 +209,7 @@ def _pieces(file: Any, attrs: dict[str, Any]) -> Any:
         raise ValueError("; ".join(error.problems)) from None
 
 
-def _check_format(attrs: Any, path: Path) -> None:
+def _check_format(attrs: Any, path: Path, dense: bool) -> None:
     version, content = int(attrs.get("stickslip_format", 0)), attrs.get("stickslip_content")
     if version == 0:
         why = "was not written by stickslip (it has no attribute stickslip_format); xarray.open_dataset may read it"
@@ -195,7 +218,9 @@ def _check_format(attrs: Any, path: Path) -> None:
         why = f"has format {version}, which no release has written; {allowed}"
     elif version > FORMAT:
         why = f"has format {version}, this stickslip reads up to {FORMAT}; type pip install --upgrade stickslip"
-    elif content != "trajectory":
+    elif content == flow_files.CONTENT and not dense:
+        why = "holds the columns of a run of a flow alone, as stickslip wrote them earlier; open it with xarray.open_dataset"
+    elif content not in ("trajectory", flow_files.CONTENT):
         why = f"holds a {content}, not a trajectory; open it with xarray.open_dataset"
     else:
         return

@@ -132,4 +132,4 @@ def _attributes(name: str) -> dict[str, str]:
     }  # fmt: skip
     if name == "status":
         return {"long_name": "how the run ended", "flag_meanings": "; ".join(f"{k}: {said}" for k, said in STATUS.items())}
-    return {"long_name": long.get(what, f"{what} {state}")}
+    return {"long_name": long.get(what, f"{what} {state}"), "units": "1"}

@@ -88,8 +88,12 @@ def column_of(what: str, grid: xr.Dataset, name: str) -> Any:
     if is_of_cases(grid, name):
         return grid[name]
     if name not in grid.variables:
-        raise InputError(what, [f"the dataset has no {name}; it has {', '.join(str(n) for n in grid.data_vars)}; give one that has it"])
-    (dim,) = set(grid[name].dims) - set(grid["mean_velocity"].dims)
+        has = ", ".join(str(n) for n in grid.data_vars)
+        if name == "mean_velocity":
+            why = "the dataset has no mean_velocity, as a flow of which no state is cyclic has no displacement"
+            raise InputError(what, [f"{why}; type for example quantity={str(next(iter(grid.data_vars)))!r}; it has {has}"])
+        raise InputError(what, [f"the dataset has no {name}; it has {has}; give one that has it"])
+    (dim,) = set(grid[name].dims) - set(grid["mean_velocity" if "mean_velocity" in grid else "status"].dims)
     parts = grid[dim].values.tolist() if dim in grid.coords else range(grid.sizes[dim])
     named = ", ".join(map(str, parts))
     raise InputError(what, [f"the dataset has {name} of each {dim} ({named}); choose one: type grid.sel({dim}={parts[0]!r})"])

@@ -168,7 +168,7 @@ def test_code_that_is_no_function_or_makes_no_robot_says_so(call, tmp_path):
     file = tmp_path / "own_code_other.py"
     file.write_text("make = 3\n\n\ndef maker():\n    return None\n")
     assert "own_code_other has no function 'make'; did you mean 'maker'?" in call("run", f"{file}:make")[2]
-    assert "it returns None; allowed is a Robot, a mechanism or a machine" in call("run", f"{file}:maker")[2]
+    assert "it returns None; allowed is a Robot, a mechanism, a machine or a flow" in call("run", f"{file}:maker")[2]
 
 
 def test_a_mistake_of_ours_is_still_ours(call, monkeypatch):

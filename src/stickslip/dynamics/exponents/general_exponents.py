@@ -20,7 +20,7 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import Ending, interruptible, look, looking, partial_result
 from stickslip.basics.notebook_display import Drawn, rounded
 from stickslip.dynamics.flows.flow_stretches import needs_flow, passage
-from stickslip.dynamics.flows.user_functions import coordinates_of_map, of_state
+from stickslip.solvers.plain.user_functions import coordinates_of_map, of_state
 
 _LEAST = 10  # parts of a motion over which an interrupted average is taken at least
 _SHOWN = 200  # points of the record of how they converge, at most

@@ -15,12 +15,12 @@ from stickslip.basics.errors import InputError, Problems, SolveError, is_whole
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible
 from stickslip.dynamics.flows.flow_stretches import Passage, needs_flow, passage, started
-from stickslip.dynamics.flows.user_functions import value_and_slopes
 from stickslip.dynamics.periodic.closed_orbits import Repeating, multipliers_of
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.normal_loads import normal_load
 from stickslip.models.switching_flow import Switch, SwitchingFlow
 from stickslip.solvers.plain.composed_flows import composed, mode_of_state, mode_of_strobe_state
+from stickslip.solvers.plain.user_functions import value_and_slopes
 
 _STILL = 1e-9  # of the size of the state: what moves by less stands still
 _REACH = 0.1  # of the size of the state: so long may a step be in any case

@@ -16,11 +16,11 @@ from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.basics.errors import InputError, Problems, is_number, is_one_of
 from stickslip.basics.fields import floats
 from stickslip.basics.frozen_arrays import sealed
-from stickslip.dynamics.flows.judged_flows import passage_by_scipy
 from stickslip.models.switching_flow import SwitchingFlow, is_flow, knows_mode, unknown_mode
 from stickslip.results.flow_pieces import extremes
 from stickslip.solvers.flow_engine import check_flow, follow_flow, unknown
 from stickslip.solvers.plain.composed_flows import composed, mode_of_state
+from stickslip.solvers.plain.judged_flows import passage_by_scipy
 
 METHODS = ("auto", "exact", "dop853")
 _TIGHTEST, _LOOSEST = 1e-13, 1e-2  # of rtol

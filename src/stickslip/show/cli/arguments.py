@@ -219,12 +219,13 @@ class Subject:
 
     def robot(self) -> Any:
         """The robot itself."""
-        from stickslip.models.machine_adapter import is_machine
+        from stickslip.models.model_adapter import is_model
 
         made = _builder(self.make)(self.arguments)
-        if not is_machine(made):
+        if not is_model(made):
             raise InputError(
-                self.name, [f"it returns {made!r}; allowed is a Robot, a mechanism or a machine; type for example return ss.Robot(...)"]
+                self.name,
+                [f"it returns {made!r}; allowed is a Robot, a mechanism, a machine or a flow; type for example return ss.Robot(...)"],
             )
         return made
 

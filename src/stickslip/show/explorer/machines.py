@@ -59,7 +59,8 @@ class Shown:
     def __post_init__(self) -> None:
         problems = Problems("explore")
         if not is_machine(self.model):
-            problems.add(f"{type(self.model).__name__} has no bodies that could be drawn; allowed is a machine with bodies and contacts")
+            instead = "allowed is a machine with bodies and contacts; of a flow ss.plot.states(run) draws the states"
+            problems.add(f"{type(self.model).__name__} has no bodies that could be drawn; {instead}")
         elif self.model.shape != ():
             problems.add(f"the machine is a batch of shape {self.model.shape}; allowed is one; type one number where an array stands")
         elif self.model.period is None and "duration" not in self.options and not machine_of(self.model).time_scale:

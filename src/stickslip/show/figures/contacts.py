@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 from stickslip.analysis.contact_modes import contact_modes, landings, stop_rows
 from stickslip.analysis.motion import Motion, Motions
 from stickslip.basics.arguments import Ax
+from stickslip.basics.errors import NoBodies
 from stickslip.results.trajectory import Trajectory
-from stickslip.show.figures.runs import only_run, span, time_axis
-from stickslip.show.figures.style import COLOURS, INK, SHADE, axes, drawing, legend_above, name_rows, prefix
+from stickslip.show.figures.runs import clock, only_run, span, time_axis
+from stickslip.show.figures.style import COLOURS, INK, SHADE, axes, drawing, legend_above, name_rows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,7 +29,8 @@ _ROW, _AROUND = 0.27, 0.75  # inches
 def contacts(run: Trajectory, periods: float | None = None, ax: Ax = None, duration: float | None = None) -> Any:
     """The state of each contact over the last drive periods: sticking, sliding forwards or backwards, or flight; and hits on stops.
 
-    Under a law with inner states, which never rests, a contact sticks by the rule of `stickslip.motion`.
+    Under a law with inner states, which never rests, a contact sticks by the rule of `stickslip.motion`; of a flow the side of its slip
+    is drawn.
 
     Parameters
     ----------
@@ -53,11 +55,13 @@ def contacts(run: Trajectory, periods: float | None = None, ax: Ax = None, durat
     >>> [label.get_text() for label in ax.get_yticklabels()]
     ['module 1', 'module 2']
     """
-    run = only_run(run)
+    run = only_run(run, bodies=False)
+    if not run.contacts and not run.pieces.layout.bodies:
+        raise NoBodies("plot", ["a flow without contacts has no modes of contacts; type ss.plot.states(run), which marks its switches"])
     start, end = span(run, periods, duration)
     modes, stops = contact_modes(run, start, end), stop_rows(run, start, end)
     rows, bars = [*modes, *stops], {**modes, **{name: pressed for name, (pressed, _) in stops.items()}}
-    time, seconds = prefix(end - start)
+    time, seconds = clock(run, end - start)
     ax = axes(ax, _AROUND + _ROW * len(rows))
     shown = _bars(ax, rows, bars, start, time)
     struck = {name: struck for name, (_, struck) in stops.items()}
@@ -106,6 +110,8 @@ def pattern(motion: Motion | Motions, ax: Ax = None) -> Any:
 
 def _lost(run: Trajectory, start: float, end: float) -> dict[str, list[float]]:
     """Times at which contacts were lost, by name."""
+    if not run.pieces.layout.bodies:  # the run of a flow ends there
+        return {}
     return {event.part: [event.t] for event in run.events if event.kind == "contact lost" and start <= event.t <= end}
 
 

@@ -270,9 +270,9 @@ def spectrum(lines: Grid, ax: Ax = None) -> Any:
     for dim in set(lines.amplitude.dims) - {"order"}:
         one = lines[dim].values.tolist()[0]
         raise InputError("plot", [f"the spectrum has the dimension {dim}; allowed is one; type ss.plot.spectrum(lines.sel({dim}={one!r}))"])
-    ax = axes(ax)
+    ax, of = axes(ax), lines.attrs.get("of", "drive")
     floor = float(lines.amplitude.max()) * 1e-6
-    for whole, colour, name in ((True, COLOURS[0], "harmonics of the drive"), (False, COLOURS[1], "between")):
+    for whole, colour, name in ((True, COLOURS[0], f"harmonics of the {of}"), (False, COLOURS[1], "between")):
         shown = lines.amplitude > floor if floor else lines.amplitude == 0.0  # for a quantity without motion
         part = lines.where((lines.harmonic == whole) & shown, drop=True)
         if part.order.size:
@@ -281,7 +281,7 @@ def spectrum(lines: Grid, ax: Ax = None) -> Any:
     if floor:
         ax.set_yscale("log")
         ax.set_ylim(floor, None)
-    ax.set_xlabel("frequency / frequency of the drive")
+    ax.set_xlabel(f"frequency / frequency of the {of}")
     ax.set_ylabel(axis_label(f"amplitude of ${lines.attrs.get('column', 'v')}$", lines.amplitude.attrs.get("units", "1")))
     legend_above(ax, ncols=2)
     return ax

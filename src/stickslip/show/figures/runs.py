@@ -11,10 +11,11 @@ from stickslip.analysis.contact_modes import contact_modes
 from stickslip.analysis.steady import LONGEST_PERIOD, period_number
 from stickslip.basics.arguments import Ax
 from stickslip.basics.contracts import Array, Model
-from stickslip.basics.errors import InputError
+from stickslip.basics.errors import InputError, NoBodies
 from stickslip.basics.variables import unit_of
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
+from stickslip.models.model_adapter import adapter_of
 from stickslip.models.normal_loads import normal_load
 from stickslip.models.state_layout import of_one_contact
 from stickslip.results.datasets import names_of_parts
@@ -35,13 +36,17 @@ def _runs(run: Any, several: bool = False) -> list[Any]:
     runs = list(run) if isinstance(run, (list, tuple)) else [run]
     if not runs or any(not isinstance(r, Trajectory) for r in runs):
         raise InputError("plot", [f"run = {run!r}; allowed is a Trajectory or a list of them; type ss.plot.velocity(ss.solve(robot))"])
+    if not all(r.pieces.layout.bodies for r in runs):
+        raise NoBodies("plot", ["a flow has no bodies, and so no velocity of one; type ss.plot.states(run), or ss.plot.phase(run)"])
     if len({r.model.period is None for r in runs}) > 1:
         raise InputError("plot", ["some runs have a drive period and some have none; draw them apart, each with ax= of its own"])
     return [r.with_axes if several and _parts(r, "body") else of_one_contact("plot", r, "one curve is drawn for each run") for r in runs]
 
 
-def only_run(run: Trajectory) -> Any:
-    """The single run of any machine; `InputError` for several runs."""
+def only_run(run: Trajectory, bodies: bool = True) -> Any:
+    """The single run of any machine; `InputError` for several runs, and with `bodies` for a run that has none."""
+    if not bodies and isinstance(run, Trajectory) and not run.pieces.layout.bodies:
+        return run
     runs = _runs(run, several=True)
     return runs[0] if len(runs) == 1 else _runs(None)
 
@@ -139,13 +144,19 @@ def _shade(ax: Axes, rests: list[tuple[float, float]], start: float, factor: flo
     return [Patch(facecolor=SHADE, edgecolor=INK, linewidth=0.3, label=f"{name} sticks".lstrip())] if rests else []
 
 
+def clock(run: Trajectory, length: float) -> tuple[float, str]:
+    """The factor and the prefix with which a time of so many seconds is shown; of a flow, which has no units, 1 and none."""
+    return prefix(length) if adapter_of(run.model).has_units else (1.0, "")
+
+
 def time_axis(ax: Axes, run: Trajectory, span: tuple[float, float], factor: float, unit: str) -> None:
     """Set up a time axis that starts at the first drive period shown."""
+    s = " s" if adapter_of(run.model).has_units else ""
     since = (
-        f"$t - {round(span[0] / run.period_time)}\\,T$" if run.model.period is not None else f"$t - {span[0]:.6g}$ s" if span[0] else "$t$"
+        f"$t - {round(span[0] / run.period_time)}\\,T$" if run.model.period is not None else f"$t - {span[0]:.6g}${s}" if span[0] else "$t$"
     )
     ax.set_xlim(0.0, (span[1] - span[0]) * factor)
-    ax.set_xlabel(f"time {since} ({unit}s)")
+    ax.set_xlabel(f"time {since} ({unit}s)" if s else f"time {since}")
 
 
 @drawing
@@ -335,12 +346,11 @@ def forces(run: Trajectory, periods: float | None = None, ax: Ax = None, duratio
     >>> ss.plot.forces(run).lines[-1].get_label()
     'friction force $R$'
     """
-    run = only_run(run)
+    run = only_run(run, bodies=False)
     if not run.contacts:
-        raise InputError(
-            "plot", ["it has no contact, and so no friction force; type ss.plot.velocity(run), or ss.plot.contacts(run) for stops"]
-        )
-    if _parts(run, "contact"):
+        instead = "ss.plot.velocity(run), or ss.plot.contacts(run) for stops" if run.pieces.layout.bodies else "ss.plot.states(run)"
+        raise InputError("plot", [f"it has no contact, and so no friction force; type {instead}"])
+    if not run.pieces.layout.single or not run.pieces.layout.bodies:
         return _forces_of_contacts(run, periods, ax, duration)
     start, end = span(run, 2 if periods is None and run.model.period is not None else periods, duration)
     shown = {"friction force $R$": "friction_force"}
@@ -367,17 +377,25 @@ def forces(run: Trajectory, periods: float | None = None, ax: Ax = None, duratio
 def _forces_of_contacts(run: Trajectory, periods: float | None, ax: Any, duration: float | None) -> Any:
     """Friction force of each contact."""
     start, end = span(run, 2 if periods is None and run.model.period is not None else periods, duration)
-    curves = _sampled([run], [""], [(start, end)], "friction_force", "contact")
-    time, seconds = prefix(end - start)
-    factor, unit = prefix(*(R for *_, R in curves))
+    has_units = adapter_of(run.model).has_units
+    curves = _forces_over(run, start, end)
+    time, seconds = clock(run, end - start)
+    factor, unit = prefix(*(R for *_, R in curves)) if has_units else (1.0, "")
     ax = axes(ax)
     ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
     for i, (name, _, t, R) in enumerate(curves):
         ax.plot((t - start) * time, R * factor, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
     time_axis(ax, run, (start, end), time, seconds)
-    newtons = unit_of("load", run.model)
-    ax.set_ylabel(f"friction {'torque' if newtons == 'N m' else 'force'} $R$ ({unit}{newtons})")
+    newtons = unit_of("load", run.model) if has_units else ""
+    ax.set_ylabel(f"friction {'torque' if newtons == 'N m' else 'force'} $R$" + (f" ({unit}{newtons})" if newtons else ""))
     return _finish(ax, curves)
+
+
+def _forces_over(run: Trajectory, start: float, end: float) -> list[tuple[str, int, Any, Any]]:
+    """The friction force of each contact over a span, as `_sampled` gives curves."""
+    if run.pieces.layout.bodies:
+        return _sampled([run], [""], [(start, end)], "friction_force", "contact")
+    return [(name, 0, *samples_over(run, start, end, f"friction_force_{name}")) for name in run.contacts]
 
 
 def limits(run: Trajectory, t: Array) -> tuple[Any, ...]:

@@ -20,6 +20,8 @@ Row = tuple[str, ...]
 
 def facts(run: Trajectory) -> list[tuple[str, str]]:
     """Names and values for the page of a run."""
+    if not run.pieces.layout.bodies:
+        return _of_flow(run)
     if not run.pieces.layout.single:
         return _of_machine(run)
     return _of_robot(run) if run.model.period is not None else _of_bench(run)
@@ -102,6 +104,26 @@ def _of_bench(run: Trajectory) -> list[tuple[str, str]]:
     ]
 
 
+# ---- flows ----
+def _of_flow(run: Any) -> list[tuple[str, str]]:
+    from stickslip.analysis.energy import energy
+    from stickslip.analysis.motion import motion
+
+    m: Any = motion(run)
+    turns = "periods of the forcing" if run.model.period is not None else "turns"
+    repeats = f"{m.period} {turns}, {m.duration:.6g}" if m.period else "-"
+    rows = [
+        ("flow", f"{len(run.names)} states and {len(run.model.modes)} modes"),
+        ("motion", m.type),
+        ("repeats after", repeats),
+        *((name, f"{low:.6g} to {high:.6g}".replace("-", "−")) for name, (low, high) in m.ranges.items()),
+        ("modes", ", ".join(f"{mode} {100 * share:.1f} %" for mode, share in m.modes.items())),
+    ]
+    for name, work in energy(run).friction_of.items() if run.contacts else ():
+        rows.append((f"work of friction at {name}{' in a period' if run.model.period else ''}", f"{_mean(work, run.settle):.6g}"))
+    return [*rows, ("status", f"{run.status}, {float(run.nodes[-1] - run.nodes[0]):.6g}, {len(run.events)} switches")]
+
+
 # ---- several bodies ----
 def _of_machine(run: Trajectory) -> list[tuple[str, str]]:
     from stickslip.analysis.motion import motion
@@ -146,7 +168,7 @@ def _mean(works: Any, settle: int) -> float:
 
 def tables(run: Trajectory) -> list[dict[str, Any]]:
     """Tables of the bodies, contacts, links and stops of a machine of several bodies; empty for a single body."""
-    if run.pieces.layout.single:
+    if run.pieces.layout.single or not run.pieces.layout.bodies:
         return []
     return tables_of((_bodies(run), _contacts(run), _links(run)))
 

@@ -52,19 +52,21 @@ def run_page(run: Trajectory, title: str, command: str = "", dimensionless: bool
     >>> "<h1>The rig on 1.7 degrees</h1>" in text, "https:" in text.split("<main")[0]
     (True, False)
     """
-    is_run("run_page", run)
-    is_robot = machine_of(run.model).drive is not None
+    is_run("run_page", run, bodies=False)
+    bodies = bool(run.pieces.layout.bodies)
+    is_robot = bodies and machine_of(run.model).drive is not None
     return page(
         "run.html",
         title=title,
-        what="robot" if is_robot else "mechanism" if run.pieces.layout.single else "machine",
+        what="robot" if is_robot else "mechanism" if run.pieces.layout.single else "machine" if bodies else "flow",
         driven=run.model.period is not None,
         rows=facts(run),
         tables=tables(run),
         search=search,
         figures=[*_figures(run), *(search["figures"] if search else [])],
         library=chart_library(),
-        moments=moments(run),
+        moments=moments(run) if bodies else None,
+        units=bodies,
         tex=_equations(run.model),
         numbers=numbers_of(run.model),
         notes=[*run.notes, *([UNITLESS] if dimensionless else [])],
@@ -76,9 +78,12 @@ def run_page(run: Trajectory, title: str, command: str = "", dimensionless: bool
 
 
 def _figures(run: Trajectory) -> list[Figure]:
-    """Velocity, contacts of a machine with several bodies, forces, phase portrait."""
+    """Velocity, contacts of a machine with several bodies, forces, phase portrait; of a flow its states and what its contacts do."""
     from stickslip.show import figures as plot
     from stickslip.show.reports import run_charts
+
+    if not run.pieces.layout.bodies:
+        return _figures_of_flow(run)
 
     driven, several = run.model.period is not None, not run.pieces.layout.single
     over = "three drive periods" if driven else "the run"
@@ -96,6 +101,23 @@ def _figures(run: Trajectory) -> list[Figure]:
         )
     phase = "Phase portrait without the drift; a circle at the start of each drive period." if driven else "Phase portrait."
     return [*figures, Figure(phase, svg(lambda ax: plot.phase(run, ax=ax)))]
+
+
+def _figures_of_flow(run: Any) -> list[Figure]:
+    """States over time, modes and forces of the contacts, and one state against another."""
+    from stickslip.show import figures as plot
+
+    driven = run.model.period is not None
+    span, over = (3 * run.period_time, "three periods of the forcing") if driven else (None, "the run")
+    figures = [Figure(f"States over {over}; thin lines are switches.", svg(lambda ax: plot.states(run, duration=span, ax=ax)))]
+    if run.contacts:
+        bars = svg(lambda ax: plot.contacts(run, ax=ax), height=max(2.6, 0.9 + 0.27 * len(run.contacts)))
+        figures.append(Figure(f"State of each contact over {over}.", bars))
+        figures.append(Figure("Friction force of each contact.", svg(lambda ax: plot.forces(run, ax=ax))))
+    if len(run.names) > 1:
+        circle = "; a circle at the start of each period" if driven else ""
+        figures.append(Figure(f"One state against another{circle}.", svg(lambda ax: plot.phase(run, ax=ax))))
+    return figures
 
 
 def _equations(model: Model) -> str:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.interruption import complete_before
-from stickslip.show.cli import aperiodic_runs as timed, bodies, show
+from stickslip.show.cli import aperiodic_runs as timed, bodies, flow_runs, show
 from stickslip.show.cli.arguments import subject
 from stickslip.show.cli.declaring import FIGURES, ROBOT, argument, command
 from stickslip.show.cli.outputs import Outcome
@@ -20,10 +20,12 @@ DATA = (".nc", ".mat", ".csv", ".xlsx")
 
 
 @command(
-    about="Simulate one robot, mechanism or machine and report its motion.",
+    about="Simulate one robot, mechanism, machine or flow and report its motion.",
     arguments=(
         *ROBOT,
-        argument("--figure", metavar="FILE", ends=FIGURES, help="draw velocity and phase portrait (.png, .svg or .pdf)"),
+        argument(
+            "--figure", metavar="FILE", ends=FIGURES, help="draw velocity (of a flow its states) and phase portrait (.png, .svg or .pdf)"
+        ),
         argument(
             "--data", "--out", metavar="FILE", ends=(".nc", ".mat", ".csv", ".xlsx"), help="write every column (.nc, .mat, .csv or .xlsx)"
         ),
@@ -55,6 +57,9 @@ def act(asked: Namespace) -> Outcome:
     written = [str(path) for path in (_drawn(run, asked.figure), written_to(run, asked.data)) if path is not None]
     if len(complete_before) > before:
         raise KeyboardInterrupt("run was interrupted: the motion is computed, and what it is was not looked for")
+    if not run.pieces.layout.bodies:
+        of_flow = flow_runs.record(study, run, written)
+        return Outcome(of_flow, lambda: flow_runs.as_text(of_flow))
     make, tell = (_record, _text) if robot.period is not None else (timed.record, timed.as_text)
     make, tell = (make, tell) if run.pieces.layout.single else (bodies.record, bodies.as_text)
     record = make(study, run, written)
@@ -155,7 +160,7 @@ def _drawn(run: Any, path: Path | None) -> Path | None:
     with plot.publication():
         figure = Figure(figsize=(9.0, 3.4), layout="constrained")
         left, right = figure.subplots(1, 2)
-        plot.velocity(run, ax=left)
+        (plot.velocity if run.pieces.layout.bodies else plot.states)(run, ax=left)
         plot.phase(run, ax=right)
         return show.draw_to(path, figure)
 

@@ -11,8 +11,8 @@ import numpy as np
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import SolveError
 from stickslip.basics.frozen_arrays import sealed
-from stickslip.dynamics.flows.step_extremes import first_fall, lowest_and_highest, points
-from stickslip.dynamics.flows.user_functions import scalar_of, value_and_slopes
+from stickslip.solvers.plain.step_extremes import first_fall, lowest_and_highest, points
+from stickslip.solvers.plain.user_functions import scalar_of, value_and_slopes
 
 if TYPE_CHECKING:
     from stickslip.models.switching_flow import SwitchingFlow

@@ -22,10 +22,10 @@ import numpy as np
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, SolveError
 from stickslip.basics.interruption import look
-from stickslip.dynamics.flows.flow_arcs import flow_arc, guards_of
-from stickslip.dynamics.flows.user_functions import checked_call, value_and_slopes
 from stickslip.models.switching_flow import knows_mode, unknown_mode
 from stickslip.solvers.flow_engine import MOST_SWITCHES, accumulates
+from stickslip.solvers.plain.flow_arcs import flow_arc, guards_of
+from stickslip.solvers.plain.user_functions import checked_call, value_and_slopes
 
 if TYPE_CHECKING:
     from stickslip.models.switching_flow import SwitchingFlow
