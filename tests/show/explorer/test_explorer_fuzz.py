@@ -17,11 +17,11 @@ import pytest
 from explorers import axis
 from records.test_read_damaged import damaged
 from show.explorer.test_explorer_doors import NoKernels, Served
-from stickslip.show.explorer import server
+from stickslip.show.explorer import responses, server
 from stickslip.show.explorer.exports import EXPORTS
 from stickslip.show.explorer.frames import unpacked
 from stickslip.show.explorer.models import CONTACTS, DRIVES, FRICTION, TRACKS
-from stickslip.show.explorer.requests import DEFAULT, KEPT
+from stickslip.show.explorer.requests import CHANNELS, DEFAULT, KEPT
 from stickslip.show.explorer.sliders import PARAMETERS
 
 TOKEN = "token-of-the-test"
@@ -55,7 +55,7 @@ def whole(rng):
     if rng.random() < 0.2:
         state["shape"] = [[rng.uniform(-1, 1) for _ in range(5)] for _ in range(2)]
     told = {
-        "channel": rng.choice(["curves", "map", "strip", "faster"]),
+        "channel": rng.choice(CHANNELS),
         "id": rng.randrange(1000),
         "state": state,
         "fine": rng.random() < 0.2,
@@ -259,6 +259,7 @@ def endure(monkeypatch, caplog, count, seed):
     """Six tenths messages, three tenths requests, one tenth bytes."""
     rng = random.Random(seed)
     monkeypatch.setattr(server, "Kernels", QuickKernels)
+    monkeypatch.setattr(responses, "at_once", lambda make, stop: None)  # half a second for each page that is to wait
     guard = server.application("127.0.0.1", TOKEN, 2)
 
     async def both():

@@ -124,6 +124,9 @@ def test_a_typed_value_that_is_not_allowed_is_refused_with_a_sentence(page):
     field.fill("x")
     assert field.get_attribute("aria-invalid") == "true"
     field.blur()
+    assert "x is not a number" in page.said() and "the slider reaches from 0 mm to 1.6 mm and grows" in page.said()
+    field.fill("2 m")
+    field.blur()
     assert "allowed is 0 mm to 1600 mm" in page.said()
     assert page.velocity() == before
 
@@ -166,7 +169,8 @@ def test_every_preset_of_the_paper_shows_its_robot(page, name):
 def test_every_preset_of_ours_shows_its_robot(page, name):
     page.open()
     with page.change():
-        page.page.locator("#preset").select_option(name)
+        story = page.page.locator(f"[data-story={name}]")
+        story.click() if story.count() else page.page.locator("#preset").select_option(name)
     assert page.velocity() == pytest.approx(expected(**PRESETS[name]["state"])[0], rel=2e-4, abs=1e-12)
 
 
@@ -244,7 +248,7 @@ def test_the_tools_take_the_width_of_a_phone(browser, explorer):
         name, tools, state = (page.page.locator(part).bounding_box() for part in ("header h1", ".tools", "#link"))
         assert name["y"] + name["height"] <= tools["y"] and state["y"] + state["height"] <= tools["y"] and tools["width"] > 350
         lines = {round(page.page.locator(f"#{part}").bounding_box()["y"]) for part in ("preset", "undo", "pin", "share", "export", "theme")}
-        assert len(lines) == 3 and tools["height"] < 120
+        assert len(lines) == 3 and tools["height"] < 150
         for part in ("preset", "export", "theme"):
             assert page.page.locator(f"#{part}").evaluate(ROOM) >= 0, part
 
@@ -341,6 +345,16 @@ def test_a_dropped_record_is_drawn_with_its_mean(page, tmp_path):
     assert mean == pytest.approx(1e3 * whole, rel=1e-3)  # the trapezoid rule over 400 instants a period
     page.page.locator("#record-off").click()
     assert "measured" not in page.page.locator("#legend").inner_text()
+    for factor, fits in ((1.0, True), (1.5, False)):  # a record of another frequency is not laid over the curves
+        path = tmp_path / f"{factor}.csv"
+        path.write_text("t [ms],v [mm/s]\n" + "\n".join(f"{factor * 1e3 * t:.9g},{1e3 * v:.9g}" for t, v in zip(run.t, run.v, strict=True)))
+        page.page.locator("#record").set_input_files(path)
+        page.page.locator("#legend" if fits else "#record-frequency-said", has_text=path.name).wait_for()
+        assert (path.name in page.page.locator("#legend").inner_text()) == fits
+    with page.change():
+        page.page.locator("#record-frequency-take").click()
+    assert float(page.page.locator("#n-omega").input_value()) == pytest.approx(32.7 / 1.5, rel=1e-3)
+    assert path.name in page.page.locator("#legend").inner_text()
     (tmp_path / "bad.csv").write_text("no numbers here\n")
     page.page.locator("#record").set_input_files(tmp_path / "bad.csv")
     page.page.locator("#said", has_text="no table of numbers").wait_for()
@@ -385,6 +399,21 @@ def recorded(path):
     rows = (f"{i / 10:.1f},{3 + 20 * math.sin(a):.6f},{0.1 * math.cos(a) + 0.03 * math.sin(2 * a):.9f}\n" for i, a in enumerate(turns))
     path.write_text("t [ms],v [mm/s],drive [m/s]\n" + "".join(rows))
     return path
+
+
+def test_a_chaotic_story_is_said_to_be_chaotic_with_its_exponent(page):
+    page.open("law=lugre&also=")
+    with page.change():
+        page.page.locator("[data-story=chaos]").click()
+    page.page.locator("#words", has_text="largest Lyapunov exponent").wait_for()
+    shown, error = map(float, re.search(r"exponent ([\d.]+) ± ([\d.]+) per", page.page.locator("#words").inner_text()).groups())
+    along_the_tangent = ss.lyapunov(state(PRESETS["chaos"]["state"]).robot(), periods=400)  # another method
+    assert abs(shown - along_the_tangent.largest) < 4 * (error + along_the_tangent.error)
+    assert page.attribute("[data-story=chaos]", "aria-pressed") == "true"
+    with page.change():
+        page.page.locator("[data-story=never-rests]").click()
+    assert "haotic" not in page.page.locator("#words").inner_text() + page.page.locator("#intro").inner_text()
+    assert "falls by 5.7°" in page.page.locator("#intro").inner_text() and "never holds it" in page.page.locator("#intro").inner_text()
 
 
 def test_the_motion_is_said_in_a_sentence(page):
@@ -617,7 +646,9 @@ def test_a_kernel_that_is_not_ready_is_said_and_the_curve_comes_by_itself(browse
     with contextlib.closing(fresh):
         page = Page(browser, fresh)
         page.page.goto(f"{fresh.address}#law=lugre&also=")
-        page.page.locator("#said", has_text="compiled once").wait_for()
+        page.page.locator("#said", has_text="This first picture").wait_for()  # it is drawn before anything is compiled
+        assert "compiled once" in page.said() and "LuGre (first picture)" in page.page.locator("#legend").inner_text()
+        assert page.velocity() == pytest.approx(expected()[0], rel=1e-2)
         assert page.page.locator("input[name=amplitude]").is_enabled()
         page.settled()
         assert page.said() == "" and page.velocity() == pytest.approx(expected()[0], rel=2e-4)
@@ -637,7 +668,7 @@ def test_make_it_faster_moves_the_sliders_and_goes_back(browser, explorer, width
     with contextlib.closing(made.context):
         made.open()
         now = made.velocity()
-        made.page.locator("#faster input[value=relative_acceleration]").check()
+        assert made.page.locator("#faster input[value=relative_acceleration]").is_checked(), "a limit, if none is chosen"
         made.page.locator("#faster-find").click()
         rows = made.page.locator("#faster-rows tr")
         rows.first.wait_for()
@@ -684,12 +715,23 @@ def test_a_pinned_motion_stays_beside_the_next_ones(page):
     told = page.merit("mean_velocity")
     page.page.locator("#pin").click()
     before = page.drawn()
-    page.page.locator("#n-omega").fill("180")
+    page.page.locator("#n-omega").fill("28")
     page.settled(before)
     assert page.page.locator("dd[data-pinned]").first.get_attribute("data-pinned") == told
     assert "pinned Coulomb" in page.page.locator("#legend").inner_text()
     page.page.locator("#pin").click()
     assert "pinned" not in page.page.locator("#legend").inner_text()
+
+
+def test_a_finger_hits_every_control_of_a_phone(browser, explorer):
+    """44 px at least: the checkboxes and the file by their labels."""
+    page = Page(browser, explorer, viewport={"width": 380, "height": 800}, device_scale_factor=2)
+    with contextlib.closing(page.context):
+        page.open()
+        small = page.page.locator("button:visible, select:visible, input:visible, summary:visible, nav a:visible").evaluate_all(
+            "all => all.map(el => el.closest('label') ?? el).filter(el => el.getBoundingClientRect().height < 44).map(el => el.outerHTML)"
+        )
+        assert small == []
 
 
 @pytest.mark.parametrize("width", [380, 1280])

@@ -23,7 +23,9 @@ _COUNTS = (5, 10, 20, MOST_HARMONICS)
 
 
 def velocity_response(name: str, data: bytes) -> bytes:
-    r"""The response to a file: times from `start` in steps of `step` [s], velocities [m/s], and the mean of the whole record.
+    r"""The response to a file: times from `start` in steps of `step` [s], velocities [m/s], and two numbers of the whole record.
+
+    These are its mean [m/s], and the frequency with which it repeats [Hz], None if it does not.
 
     Examples
     --------

@@ -16,6 +16,8 @@ from stickslip.show.explorer.effort import RTOL, affordable
 from stickslip.show.explorer.sliders import Parameter
 
 COARSE, FINE = 40, 200  # drive periods of a run while a slider moves, and after its release
+#: Drive periods of the first picture, while a kernel is compiled, its method, which needs none, and its tolerance.
+FIRST, PLAIN, LOOSE = 6, "radau", 1e-3
 #: The error message for machine numbers sent to a server that shows a robot.
 OF_A_ROBOT = "this server shows a robot; begin it with stickslip explore FILE for a machine"
 _TIMES = 20.0  # length of a run of an autonomous machine, in units of its own time scale
@@ -180,12 +182,12 @@ def part_label(part: str) -> str:
 
 
 # ---- answers ----
-def picture(shown: Shown, fine: bool, model: Any, progress: Callable[[int, int], None]) -> dict[str, Any]:
+def picture(shown: Shown, fine: bool, model: Any, progress: Callable[[int, int], None], first: bool = False) -> dict[str, Any]:
     """The data of a run that the page draws and, after the release of a slider, the facts about it."""
     from stickslip.show.reports.facts import facts, mean_of, tables
     from stickslip.show.reports.moving import moments
 
-    run = _solved(shown, model, fine, progress)
+    run = _solved(shown, model, fine, progress, first)
     data: dict[str, Any] = {"kind": "machine", "fine": fine, "picture": moments(run), "status": run.status}
     data["mean_velocity"] = {name: mean_of(run, name) for name in run.bodies}
     if fine:
@@ -193,10 +195,13 @@ def picture(shown: Shown, fine: bool, model: Any, progress: Callable[[int, int],
     return data
 
 
-def _solved(shown: Shown, model: Any, fine: bool, progress: Callable[[int, int], None] | None = None) -> Any:
+def _solved(shown: Shown, model: Any, fine: bool, progress: Callable[[int, int], None] | None = None, first: bool = False) -> Any:
     from stickslip.solvers import solve
 
-    run = solve(model, **shown.length(model, fine), rtol=RTOL, keep="trajectory", progress=progress)
+    length = shown.length(model, fine)
+    if first:
+        length |= {"method": PLAIN} | {name: min(FIRST, count) for name, count in length.items() if name == "periods"}
+    run = solve(model, **length, rtol=LOOSE if first else RTOL, keep="trajectory", progress=progress)
     if model.period is not None and len(run.strobe_times) < 3:
         raise InputError("run", [f"{run.status} after {float(run.pieces.t[-1]):.4g} s, within the first periods"])
     return run

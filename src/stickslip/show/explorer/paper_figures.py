@@ -37,8 +37,8 @@ def _of_file(group: str) -> dict[str, dict[str, Any]]:
 #: The presets by name, in groups.
 GROUPS: dict[str, dict[str, dict[str, Any]]] = {
     "stories": _of_file("stories"),
-    "the paper's figures": _of_the_paper(),
     "other drives": _of_file("others"),
+    "figures of the founding paper": _of_the_paper(),
 }
 PRESETS: dict[str, dict[str, Any]] = {name: entry for group in GROUPS.values() for name, entry in group.items()}
 """Every preset by its name: a label, and a state in which only what differs from the page at first is given."""

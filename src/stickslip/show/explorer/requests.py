@@ -13,7 +13,7 @@ from stickslip.show.explorer.models import CONTACTS, DRIVES, FRICTION, SAW, TRAC
 from stickslip.show.explorer.sliders import PARAMETERS
 
 #: The channels of requests. Each holds one request of a page: a newer one replaces an older one.
-CHANNELS = ("curves", "map", "strip", "faster")
+CHANNELS = ("curves", "map", "strip", "exponent", "faster")
 #: Largest number of additional laws in a comparison, and of cells along each axis of a map.
 MOST_LAWS, MOST_CELLS = 4, 96
 #: Largest number of machine numbers that a page sets.

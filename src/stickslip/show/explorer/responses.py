@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -10,12 +12,12 @@ import numpy as np
 from stickslip.analysis.motion import motion
 from stickslip.analysis.steady import mean_velocity
 from stickslip.basics.errors import InputError, StickslipError
+from stickslip.show.explorer.chaos import exponent_of
 from stickslip.show.explorer.code import python
 from stickslip.show.explorer.effort import RTOL, affordable
-from stickslip.show.explorer.faster import faster_of
 from stickslip.show.explorer.frames import encoded
 from stickslip.show.explorer.kernels import Kernels, compiling
-from stickslip.show.explorer.machines import OF_A_ROBOT, Shown, picture
+from stickslip.show.explorer.machines import FIRST, LOOSE, OF_A_ROBOT, PLAIN, Shown, picture
 from stickslip.show.explorer.models import FRICTION
 from stickslip.show.explorer.requests import Message, State
 from stickslip.show.explorer.surroundings import IsCancelled, Stopped, map_of, strip_of
@@ -24,6 +26,8 @@ from stickslip.solvers import solve
 #: Drive periods of a run while a slider moves, and after its release.
 COARSE, FINE = 40, 200
 SAMPLES, LONGEST = 256, 8
+#: Longest time of a run for the first picture [s].
+AT_ONCE = 4.0
 
 
 def answer(asked: Message, kernels: Kernels, stop: IsCancelled, shown: Shown | None = None) -> bytes:
@@ -32,11 +36,13 @@ def answer(asked: Message, kernels: Kernels, stop: IsCancelled, shown: Shown | N
     response: tuple[dict[str, Any], dict[str, Any]]
     try:
         if asked.wish is not None:
+            from stickslip.show.explorer.faster import faster_of
+
             response = faster_of(asked, kernels, stop, shown), {}
         elif asked.machine is not None:
             response = _machine(asked, kernels, stop, shown), {}
         else:
-            response = {"curves": _curves, "map": map_of, "strip": strip_of}[asked.channel](asked, kernels, stop)
+            response = {"curves": _curves, "map": map_of, "strip": strip_of, "exponent": exponent_of}[asked.channel](asked, kernels, stop)
     except InputError as error:
         response = {"kind": "problems", "problems": [without_python(p) for p in error.problems]}, {}
     except StickslipError as error:
@@ -55,9 +61,10 @@ def _machine(asked: Message, kernels: Kernels, stop: IsCancelled, shown: Shown |
     if shown is None or asked.machine is None:
         raise InputError("machine", [OF_A_ROBOT])
     model = shown.with_values(asked.machine)
-    if not kernels.ready(shown, "", model, False):
-        return {"kind": "machine", "waits": f"preparing {shown.title}: compiled once, which takes some seconds, and kept for later"}
-    return picture(shown, asked.fine, model, _stopped_by(stop))
+    if kernels.ready(shown, "", model, False):
+        return picture(shown, asked.fine, model, _stopped_by(stop))
+    waits = {"kind": "machine", "waits": f"preparing {shown.title}: compiled once, which takes some seconds, and kept for later"}
+    return waits | (at_once(lambda tell: picture(shown, False, model, tell, first=True), stop) or {})
 
 
 def _stopped_by(stop: IsCancelled | None) -> Callable[[int, int], None]:
@@ -70,12 +77,48 @@ def _stopped_by(stop: IsCancelled | None) -> Callable[[int, int], None]:
     return tell
 
 
+# ---- the first picture, while a kernel is compiled ----
+class TooLong(Exception):
+    """The compiled kernel may well be ready first."""
+
+
+def at_once(make: Callable[[Callable[[int, int], None]], Any], stop: IsCancelled) -> Any | None:
+    """What can be made without a compiled kernel, by SciPy on plain Python; None if that takes too long, or fails.
+
+    Parameters
+    ----------
+    make : callable
+        Solves with the given progress callback.
+    stop : callable
+        Whether the result is no longer needed.
+    """
+    ends = time.monotonic() + AT_ONCE
+
+    def tell(done: int, whole: int) -> None:
+        if stop():
+            raise Stopped
+        if time.monotonic() > ends:
+            raise TooLong
+
+    try:
+        made = make(tell)
+    except (TooLong, StickslipError):  # the compiled run reports the error
+        return None
+    return None if time.monotonic() > ends else made
+
+
 # ---- curves ----
 def run_of(state: State, law: str, fine: bool, robot: Any = None, stop: IsCancelled | None = None) -> Any:
     """The run of one law, cancelled when its result is no longer needed."""
     made = state.robot(law) if robot is None else robot
     periods = affordable(made, FINE if fine else COARSE)
     return solve(made, periods=periods, rtol=RTOL, keep="trajectory", samples=400 if fine else 48, progress=_stopped_by(stop))
+
+
+def _first_run(robot: Any, tell: Callable[[int, int], None]) -> Any:
+    """A short run from rest by SciPy; None if less than three drive periods of it are finished in time."""
+    run = solve(robot, periods=FIRST, rtol=LOOSE, method=PLAIN, keep="trajectory", progress=tell)
+    return run if len(run.strobe_times) > 3 else None
 
 
 def _curves(asked: Message, kernels: Kernels, stop: IsCancelled) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -86,11 +129,14 @@ def _curves(asked: Message, kernels: Kernels, stop: IsCancelled) -> tuple[dict[s
         robot = state.robot(law)
         if not kernels.ready(state, law, robot, False):
             entry["waits"] = compiling(state, law)
-            continue
+            run = at_once(functools.partial(_first_run, robot), stop)
+        else:
+            run = run_of(state, law, asked.fine, robot, stop)
         if stop():
             raise Stopped
-        runs[law] = run_of(state, law, asked.fine, robot, stop)
-        entry["mean_velocity"] = _mean(runs[law])
+        if run is not None:
+            runs[law] = run
+            entry["mean_velocity"] = _mean(run)
     header: dict[str, Any] = {"kind": "curves", "fine": asked.fine, "laws": laws, "period": float(robot.period), "samples": SAMPLES}
     header |= {"figures": None, "shown": 3, "once": 3}
     if state.law in runs:
@@ -142,6 +188,6 @@ def _columns(run: Any, shown: int, main: bool) -> dict[str, Any]:
     columns = {"t": at["t"] - start, "v": at["v"], "x": at["x"] - at["x"][0], "R": at["friction_force"]}
     if main:
         columns |= {"xi": at["xi"], "mode": at["mode"]}
-    kept = min(max(len(run.strobe_times) - 1 - int(run.settle), 1), 64)
+    kept = min(max(len(run.strobe_times) - 1 - int(run.settle), 1), count)  # those of the curve: elsewhere its mean motion is not theirs
     drift, instants = float(at["x"][-1] - at["x"][0]) / (end - start), run.strobe_times[-kept:]
     return columns | {"strobe_s": run.strobe_x[-kept:] - at["x"][0] - drift * (instants - start), "strobe_v": run.strobe_v[-kept:]}

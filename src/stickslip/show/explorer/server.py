@@ -20,8 +20,6 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
 from stickslip.basics.errors import InputError, StickslipError
-from stickslip.inverse.optimisation.peaks import LIMITS as LIMITS_OF_DRIVES
-from stickslip.inverse.optimisation.results import quantities
 from stickslip.models.drives.within import drives_within
 from stickslip.show.explorer.exports import EXPORTS, export
 from stickslip.show.explorer.guard import RequestGuard, is_loopback
@@ -69,6 +67,9 @@ def machine_page(shown: Shown) -> str:
 
 def _kept(shown: Shown) -> list[str]:
     """Quantities that a search may be forbidden to increase; sweeps of a machine of several bodies have no column of power."""
+    from stickslip.inverse.optimisation.peaks import LIMITS as LIMITS_OF_DRIVES
+    from stickslip.inverse.optimisation.results import quantities
+
     known = [*LIMITS_OF_DRIVES, *quantities(shown.model)] if list(drives_within(shown.model)) else quantities(shown.model)
     return [name for name in KEPT if name in known]
 

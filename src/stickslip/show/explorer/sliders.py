@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from stickslip.basics.quantities import shown_factor, symbol_text
@@ -86,7 +87,10 @@ class Parameter:
 
 def _of_page(name: str, description: Mapping[str, Any]) -> Parameter:
     value = float(description.get("example", 1.0))
-    return Parameter.described(name, description, value, description.get("range") or (0.1 * value, 2.5 * value))
+    p = Parameter.described(name, description, value, description.get("range") or (0.1 * value, 2.5 * value))
+    if p.unit != "rad/s":
+        return p
+    return replace(p, label="drive frequency", symbol="f", unit="Hz", factor=0.5 / math.pi)  # as a person counts it, and the texts say it
 
 
 PARAMETERS: dict[str, Parameter] = {name: _of_page(name, description) for name, description in DESCRIBED.items()}

@@ -55,7 +55,9 @@ export function listen({ change, choose, compare, refuse }) {
       else change(p.name, value);
     });
     field.addEventListener("change", () => {
-      if (read(p, field) === null) refuse(`${p.label}: ${field.value || "nothing"} is not allowed; allowed is ${shown(p, p.least)} to ${shown(p, p.most)}`);
+      if (read(p, field) !== null) return;
+      const given = field.value || "nothing", wider = `the slider reaches from ${shown(p, p.low)} to ${shown(p, p.high)} and grows with what is typed`;
+      refuse(Number.isNaN(typedNumber(p, field.value)) ? `${p.label}: ${given} is not a number; type one such as ${shown(p, p.default)}; ${wider}` : `${p.label}: ${given} is not allowed; allowed is ${shown(p, p.least)} to ${shown(p, p.most)}; ${wider}`);
     });
     field.addEventListener("keydown", (event) => { if (event.key === "Enter") field.blur(); });
     document.querySelector(`[data-reset="${p.name}"]`).addEventListener("click", () => change(p.name, p.default));

@@ -217,7 +217,7 @@ export function frequencies(record, omega, limits, take) {
   $("record-frequency").hidden = !differ;
   if (!differ) return;
   const able = 2 * Math.PI * hertz >= limits.least && 2 * Math.PI * hertz <= limits.most;
-  $("record-frequency-said").textContent = `${record.name} has ${Number(hertz.toPrecision(5))} Hz, the model ${Number(model.toPrecision(5))} Hz: the curves are not of the same drive.`;
+  $("record-frequency-said").textContent = `${record.name} has ${Number(hertz.toPrecision(5))} Hz, the model ${Number(model.toPrecision(5))} Hz: the record is not of this drive.`;
   $("record-frequency-take").hidden = !able;
   $("record-frequency-take").textContent = `Use ${Number(hertz.toPrecision(5))} Hz for the model`;
   $("record-frequency-take").onclick = () => take(2 * Math.PI * hertz);

@@ -2,7 +2,7 @@
 import * as faster from "./faster.js";
 import { Link } from "./link.js";
 import { $, connection, copies, exports, leftOut, say, themed } from "./tools.js";
-import { shown, typedNumber, velocity } from "./words.js";
+import { capital, shown, typedNumber, velocity } from "./words.js";
 
 const RESTS = 140; // [ms] without a change: the slider rests
 const data = JSON.parse($("data").textContent), parameters = data.parameters;
@@ -44,12 +44,13 @@ function set(name, to) {
 function take({ header }) {
   if (header.channel === "faster") return faster.show(header);
   if (header.kind === "problems") return say(header.problems.join("; "));
-  if (header.waits) return say(header.waits, "busy");
-  say(header.status === "finished" ? "" : header.status);
+  if (header.waits) say(header.picture ? `This first picture is from a slower, less exact solver. ${capital(header.waits)}` : header.waits, "busy");
+  else say(header.status === "finished" ? "" : header.status);
+  if (!header.picture) return;
   show ? show(header.picture) : (show = moving($("moving"), header.picture)); // eslint-disable-line no-undef
   means(header.mean_velocity);
   if (header.fine) numbers(header);
-  document.documentElement.dataset.drawn = `${header.id}${header.fine ? " fine" : ""}`;
+  document.documentElement.dataset.drawn = `${header.id}${header.fine && !header.waits ? " fine" : ""}`;
 }
 
 const cell = (kind, text) => Object.assign(document.createElement(kind), { textContent: text });

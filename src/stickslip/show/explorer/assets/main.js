@@ -12,11 +12,12 @@ import { active, defaults, fromHash, parameters, settled, table, takes, toHash, 
 import * as strip from "./strip.js";
 import { $, connection, copies, exports, leftOut, say, themed } from "./tools.js";
 import * as velocity from "./velocity.js";
-import { digits, quantity, spoken, velocity as spelt } from "./words.js";
+import { capital, digits, quantity, scene, spoken, unrepeated, velocity as spelt } from "./words.js";
 
 const RESTS = 140; // [ms] without a change: the slider rests
+const APART = 0.02; // relative difference of the frequencies of a record and of the drive from which on it is not laid over the curves
 if (location.search) history.replaceState(null, "", location.pathname + location.hash); // the token is a cookie now, and no part of a link
-let state = fromHash(location.hash), resting = 0, saving = 0, dropped = null, last = null, keys = {}, heard = "";
+let state = fromHash(location.hash), resting = 0, saving = 0, dropped = null, last = null, keys = {}, heard = "", exponent = null;
 
 const link = new Link(take, connection);
 
@@ -60,6 +61,7 @@ function changed(name = null) {
   settled(state);
   link.ask("curves", { state: table(state), fine: false }); // first of all: the rest is done while the answer is computed
   controls.show(state);
+  markStory();
   options();
   faster.place(active(state).map((name) => parameters[name]), data.choices.drive[state.drive].parameters);
   faster.changed(state.values);
@@ -95,22 +97,23 @@ function around(channel, axes) {
 function take({ header, arrays }) {
   if (header.channel === "map") return map.show({ header, arrays });
   if (header.channel === "strip") return strip.show({ header, arrays });
+  if (header.channel === "exponent") { exponent = header; return motionInWords(); }
   if (header.channel === "faster") return faster.show(header);
   if (header.kind === "problems") return say(header.problems.join("; "));
-  const waiting = header.laws.find((law) => law.waits);
-  if (waiting) say(waiting.waits, "busy");
+  const waiting = header.laws.find((law) => law.waits), drawn = (law) => `${law.name}.t` in arrays;
+  if (waiting) say(`${header.laws.some((law) => law.waits && drawn(law)) ? "This first picture is from a slower, less exact solver. " : ""}${capital(waiting.waits)}`, "busy");
   else say(header.fine ? heard : "", "wait");
-  last = { header, curves: header.laws.filter((law) => !law.waits).map((law) => curve(header, law, arrays)), waiting: header.laws.filter((law) => law.waits) };
+  last = { header, curves: header.laws.filter(drawn).map((law) => curve(header, law, arrays)), waiting: header.laws.filter((law) => !drawn(law)) };
   draw();
-  if (header.figures) figures(header.figures, header.fine);
-  $("results").toggleAttribute("data-stale", !header.figures);
+  if (header.figures) figures(header.figures, header.fine && !waiting);
+  $("results").toggleAttribute("data-stale", !header.figures || Boolean(header.laws.find((law) => law.name === state.law)?.waits));
   if (header.python) $("python").textContent = header.python;
   document.documentElement.dataset.drawn = `${header.id}${header.fine && !waiting ? " fine" : ""}`;
 }
 
 function curve(header, law, arrays) {
   const own = Object.fromEntries(Object.entries(arrays).filter(([name]) => name.startsWith(law.name + ".")).map(([name, column]) => [name.slice(law.name.length + 1), column]));
-  return { ...own, ...velocity.look(header.laws.indexOf(law)), name: law.name, label: law.label, mean: law.mean_velocity, shown: header.shown };
+  return { ...own, ...velocity.look(header.laws.indexOf(law)), name: law.name, label: law.waits ? `${law.label} (first picture)` : law.label, mean: law.mean_velocity, shown: header.shown };
 }
 
 function draw() {
@@ -124,6 +127,8 @@ function draw() {
 }
 
 function measured(header, main) {
+  const own = dropped.frequency, apart = own && [1, 2].every((n) => Math.abs(n * own * header.period - 1) > APART); // 2: period two
+  if (apart) return []; // the page says so above the chart
   const v = record.fitted(dropped, main, header.period, header.samples);
   if (!v) {
     say(`the record is shorter than one drive period of ${digits(1e3 * header.period)} ms`);
@@ -133,12 +138,31 @@ function measured(header, main) {
   return [{ t, v, label: dropped.name, mean: dropped.mean, ...velocity.look(0), dash: [1, 2], colour: getComputedStyle(document.documentElement).getPropertyValue("--record").trim() }];
 }
 
+// The exponent of this robot, once.
+function askExponent() {
+  const asked = table({ ...state, also: [] }), key = JSON.stringify(asked);
+  if (keys.exponent === key) return;
+  keys.exponent = key;
+  exponent = null;
+  link.ask("exponent", { state: asked });
+}
+
+// The motion as a sentence; of one that has not repeated only after a long run.
+function motionInWords(fine = true) {
+  const f = last?.header.figures;
+  if (!f) return;
+  const repeats = f.period_number || !fine || f.steadiness === "not settled";
+  $("words").textContent = repeats ? spoken(f.pattern, f.period_number, f.mean_velocity, state.track === "level" ? 0 : state.values.tilt_deg) : unrepeated(f.periods, f.mean_velocity, exponent);
+}
+
 function figures(f, fine) {
   const put = (name, text) => { const out = document.querySelector(`[data-quantity="${name}"]`); if (out.value !== text) out.value = text; };
   put("mean_velocity", spelt(f.mean_velocity));
   put("motion_type", f.motion_type);
   $("pattern").textContent = $("pattern").title = f.pattern.replaceAll("-", "−");
-  $("words").textContent = spoken(f.pattern, f.period_number, f.mean_velocity, state.track === "level" ? 0 : state.values.tilt_deg);
+  $("intro").textContent = scene(state, last.header, last.header.laws.map((law) => law.label));
+  if (fine && !f.period_number) askExponent();
+  motionInWords(fine);
   put("margin", Number.isFinite(f.margin) ? digits(f.margin, 3) : "none");
   put("stick_fraction", `${digits(100 * f.stick_fraction, 3)} %`);
   put("period", f.period_number ? String(f.period_number) : fine ? `none in ${f.periods}` : "not yet");
@@ -157,11 +181,19 @@ controls.listen({
   compare(laws) { state.also = laws.filter((law) => law !== state.law).slice(0, 4); changed(); },
   refuse: say,
 });
-$("preset").addEventListener("change", (event) => {
-  if (!event.target.value) return;
-  state = { ...withPreset(event.target.value), map: { ...state.map, spans: null } };
+function choosePreset(name) {
+  state = { ...withPreset(name), map: { ...state.map, spans: null } };
+  forgetRecord(); // it was measured on another robot
   changed();
-});
+}
+$("preset").addEventListener("change", (event) => { if (event.target.value) choosePreset(event.target.value); });
+for (const story of document.querySelectorAll("[data-story]")) story.addEventListener("click", () => { $("preset").value = ""; choosePreset(story.dataset.story); });
+
+// The story whose numbers are on the page.
+function markStory() {
+  const now = JSON.stringify(table(state));
+  for (const story of document.querySelectorAll("[data-story]")) story.setAttribute("aria-pressed", String(JSON.stringify(table(withPreset(story.dataset.story))) === now));
+}
 $("reset-all").addEventListener("click", () => { state = defaults(); $("preset").value = ""; changed(); });
 addEventListener("hashchange", () => { state = fromHash(location.hash); leftOut(takes); changed(); });
 
@@ -217,7 +249,8 @@ async function load(file) {
     dropped = await record.opened(file);
     $("record-off").hidden = $("record-drive").hidden = false;
     $("record-fit").hidden = !fits;
-    say(dropped.notes.join("; "), "wait");
+    heard = dropped.notes.join("; ");
+    say(heard, "wait");
     frequencies();
     draw();
   } catch (error) {
@@ -227,6 +260,7 @@ async function load(file) {
 }
 function forgetRecord() {
   dropped = null;
+  $("record").value = "";
   $("record-off").hidden = $("record-drive").hidden = $("record-fit").hidden = true;
   frequencies();
   draw();
@@ -237,7 +271,7 @@ function frequencies() {
 $("record-fit").addEventListener("click", () => $("fit").scrollIntoView({ block: "start" }));
 fit.listen();
 $("record").addEventListener("change", (event) => load(event.target.files[0]));
-$("record-off").addEventListener("click", () => { $("record").value = ""; forgetRecord(); });
+$("record-off").addEventListener("click", forgetRecord);
 $("record-drive").addEventListener("click", async () => {
   try {
     const { amplitude, omega, shape, notes } = await record.drive(dropped.file);

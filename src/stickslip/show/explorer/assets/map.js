@@ -106,9 +106,8 @@ function label() {
 
 function key() {
   const more = found.beyond ? " and beyond" : "";
-  const entries = state.map.shows === "mean_velocity"
-    ? [[shade(-1), `−${velocity(found.most, 3)}${more}`], [shade(0), "0"], [shade(1), `${velocity(found.most, 3)}${more}`]]
-    : TYPES.map((name, i) => [hex(KINDS[i]), typeName(name)]).filter((_, i) => found.motion_type.includes(i));
+  if (state.map.shows === "mean_velocity") return legend.replaceChildren(scale(more));
+  const entries = TYPES.map((name, i) => [hex(KINDS[i]), typeName(name)]).filter((_, i) => found.motion_type.includes(i));
   legend.replaceChildren(...entries.map(([rgb, text]) => {
     const item = document.createElement("li");
     item.innerHTML = '<svg viewBox="0 0 28 10" aria-hidden="true"><rect width="28" height="10" rx="2"/></svg>';
@@ -116,6 +115,17 @@ function key() {
     item.append(text);
     return item;
   }));
+}
+
+// The colour scale: a strip of all shades, with its ends and its middle.
+function scale(more) {
+  const item = Object.assign(document.createElement("li"), { className: "scale" }), strip = document.createElement("span");
+  const shades = Array.from({ length: 17 }, (_, i) => `rgb(${shade(i / 8 - 1)})`);
+  strip.className = "shades";
+  strip.style.background = `linear-gradient(90deg, ${shades})`;
+  const words = [`−${velocity(found.most, 3)}${more}`, "0", `${velocity(found.most, 3)}${more}`].map((textContent) => Object.assign(document.createElement("span"), { textContent }));
+  item.append(strip, ...words);
+  return item;
 }
 
 // What the map says at a place.

@@ -1,6 +1,8 @@
 // Numbers and words as a person reads them.
 export const digits = (x, n = 4) => (Number.isFinite(x) ? String(Number(x.toPrecision(n))).replace("-", "−") : "–");
 
+export const capital = (sentence) => sentence.charAt(0).toUpperCase() + sentence.slice(1);
+
 const PREFIXES = [[1e-9, "n"], [1e-6, "µ"], [1e-3, "m"], [1, ""], [1e3, "k"]];
 
 // The prefix in which the largest number lies between 1 and 1000.
@@ -41,6 +43,28 @@ export function spoken(pattern, periods, mean, tilt) {
   if (steps.length > 5) return `It slides and rests ${steps.length} times${periods ? ` before it repeats, after ${periods} drive period${periods > 1 ? "s" : ""}` : ""}. ${way}`;
   const again = periods > 1 ? ` It repeats after ${periods} of them.` : "";
   return `In ${regular ? "each drive period" : periods + " drive periods"} the body ${steps.join(", ")}.${regular ? again : ""} ${way}`;
+}
+
+// A motion that has not repeated, with its largest Lyapunov exponent once that is known.
+export function unrepeated(periods, mean, found) {
+  const travels = Math.abs(mean) > 1e-9 ? ` On average it moves ${mean > 0 ? "forwards" : "backwards"}.` : "";
+  const no = `The motion does not repeat within ${periods} drive periods.`;
+  if (!found || found.waits) return `${no} Whether it is chaotic is being computed.`;
+  if (found.kind === "problems") return no;
+  const exponent = `${digits(found.exponent, 3)} ± ${digits(found.error, 2)} per drive period`;
+  if (!found.chaotic) return `${no} It is not shown to be chaotic: the largest Lyapunov exponent is ${exponent}.${travels}`;
+  return `${no} It is chaotic: two motions that begin close together part by a factor of ${digits(Math.exp(found.exponent), 2)} in each drive period (largest Lyapunov exponent ${exponent}).${travels}`;
+}
+
+// What is on the page: the robot, its drive, what friction does, and the curves. All of it comes from the numbers that are shown.
+export function scene(state, header, laws) {
+  const tilt = state.track === "level" ? 0 : state.values.tilt_deg, f = header.figures, often = digits(1 / header.period, 3);
+  const track = tilt ? `on a track that ${tilt > 0 ? "falls" : "rises"} by ${digits(Math.abs(tilt), 3)}°` : "on a level track";
+  const rests = !f ? "" : f.stick_fraction > 0.995 ? "Friction holds the body all the time." : f.stick_fraction > 0 ? "Friction holds the body, lets it slide and holds it again." : "Friction slows the body but never holds it.";
+  const eased = state.track === "folded" && tilt && f && f.mean_velocity * tilt > 0 ? ` It resists less downhill than uphill, so the body travels downhill.` : "";
+  const number = ["", "one friction law", "two friction laws", "three friction laws", "four friction laws", "five friction laws"][laws.length];
+  const curves = laws.length > 1 ? `its velocity under ${number}, ${laws.slice(0, -1).join(", ")} and ${laws.at(-1)}` : `its velocity under ${laws[0]} friction`;
+  return `A robot ${track}. A drive moves a mass inside it to and fro, ${often} times a second. ${rests}${eased} The chart shows ${curves}.`;
 }
 
 export const TYPES = ["rest", "presliding", "I", "II", "III", "IV", "other"];

@@ -1,0 +1,1 @@
+from .reproduction import Reproduction as Reproduction, reproduce as reproduce
