@@ -216,3 +216,10 @@ def test_laws_that_flows_do_not_follow_say_what_to_write(law, said):
         belt = ss.machines.FlowContact(slip=lambda t, y: y[1] - 0.01, friction=law, load=1.0)
         flow = ss.SwitchingFlow(lambda t, y, R: (y[1], -50.0 * y[0] - R.belt), states=("x", "v"), contacts={"belt": belt})
         ss.solve(flow, duration=1.0)
+
+
+def test_a_stiff_law_that_turns_round_at_rest_is_not_called_a_flow_that_chatters():
+    slow = ss.machines.FlowContact(slip=lambda t, y: y[1] - 0.1, friction=ss.friction.RateState.example(), load=1.0)
+    flow = ss.SwitchingFlow(lambda t, y, R: (y[1], -y[0] - R.belt), states=("x", "v"), contacts={"belt": slow})
+    with pytest.raises(ss.SolveError, match=r"turns round without end at t = .* z_belt may be stiff.*write a Machine"):
+        ss.solve(flow, duration=10.0)

@@ -118,6 +118,24 @@ def test_batches_and_sweeps_of_flows_have_columns():
     assert np.allclose(swept.first_half, np.sqrt(1.0 / 9.81), rtol=1e-14)
 
 
+def test_sweeps_of_machines_have_those_of_their_runs(tmp_path):
+    """In memory and in a folder, which another function of the same name does not go on with."""
+    belt, axes = ss.BlockOnBelt(1.0, 2.0, 0.1, ss.Coulomb(0.2, 0.2, f_plus=0.3, f_minus=0.3), load=1.0), {"speed": [0.1, 0.15, np.nan]}
+    watched = {"the mark": lambda s: s.x - 0.12, "turns": (lambda s: s.v, "falls")}
+    grid = ss.sweep(belt, **axes, duration=30.0, events=watched)
+    alone = [ss.solve(belt.replace(speed=speed), duration=30.0, events=watched) for speed in (0.1, 0.15)]
+    assert grid.first_the_mark.values[:2].tolist() == [times_of(run, "the mark")[0] for run in alone]
+    assert grid.number_turns.values[:2].tolist() == [len(times_of(run, "turns")) for run in alone]
+    assert np.isnan(grid.first_turns.values[2]) and grid.first_turns.units == "s" and np.isnan(grid.number_turns.values[2])
+    plain = ss.sweep(belt, **axes, duration=30.0)
+    assert np.array_equal(grid.mean_velocity, plain.mean_velocity, equal_nan=True) and "first_turns" not in plain
+    study = ss.sweep(belt, **axes, duration=30.0, events=watched, out=tmp_path / "study")
+    assert study.number_turns.equals(grid.number_turns)
+    with pytest.raises(ss.InputError, match="event the mark was"):
+        other = watched | {"the mark": lambda s: s.x - 0.13}
+        ss.sweep(belt, **axes, duration=30.0, events=other, out=tmp_path / "study", resume=True)
+
+
 def test_steps_of_a_simulation_report_them():
     run, sim, steps = ss.solve(ROBOT, periods=2, events=OF_ROBOT), ss.simulation(ROBOT, events=OF_ROBOT), []
     for k in range(37):
@@ -165,5 +183,5 @@ def test_what_cannot_end_is_refused():
     ending = {"mark": (lambda s: s.x, "ends")}
     with pytest.raises(ss.InputError, match="terminal"):
         ss.simulation(ROBOT, events=ending)
-    with pytest.raises(ss.InputError, match="known of sweeps of a SwitchingFlow"):
-        ss.sweep(ss.presets.piezo_rig, amplitude=[1e-4], law="coulomb", events=ending)
+    with pytest.raises(ss.InputError, match=r'an event is terminal, .* leave "ends" out'):
+        ss.sweep(ss.presets.piezo_rig, amplitude=[1e-4], tilt_deg=1.7, law="coulomb", events=ending)

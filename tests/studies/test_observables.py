@@ -133,7 +133,7 @@ def test_observe_says_what_it_takes():
         ss.solve(batch, periods=4, method="dop853", observe=good)
     with pytest.raises(ss.InputError, match="observe makes columns of a batch"):
         ss.solve(ROBOT, periods=4, observe=good)
-    with pytest.raises(ss.InputError, match="observe and continue_along"):
+    with pytest.raises(ss.InputError, match="observe or events and continue_along"):
         ss.sweep(ROBOT, **{"drive.amplitude": [4e-4, 6e-4]}, continue_along="drive.amplitude", observe=good)
     with pytest.raises(ss.InputError, match="no column and no axis"):
         ss.sweep(ss.presets.piezo_rig, amplitude=[4e-4, 6e-4], tilt_deg=1.7, observe={"amplitude": good["a"]})

@@ -25,7 +25,7 @@ from stickslip.basics.interruption import accept_part, interruptible, is_asked_t
 from stickslip.results.summary import Summary
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers.methods import METHODS, method_for
-from stickslip.solvers.named_events import events_of_model, with_events
+from stickslip.solvers.named_events import event_columns_of_cases, events_of_model, with_events
 from stickslip.solvers.request import request
 from stickslip.solvers.settings import Settings
 
@@ -150,6 +150,12 @@ def solve(
 def solved(model: Model, settings: Settings) -> Trajectory | Summary:
     """The same as `solve`, of arguments that travel together."""
     return _solved(model, settings)
+
+
+def events_of_cases(model: Model, settings: Settings) -> dict[str, Any]:
+    """For each event of the settings its first instant and its number in every case of a batch, by name."""
+    todo = request(model, settings)
+    return event_columns_of_cases(todo, events_of_model("solve", model, settings.events), method_for(todo.method, todo.model).run)
 
 
 def _solved(model: Model, settings: Settings) -> Trajectory | Summary:

@@ -346,14 +346,17 @@ def _check(flow: SwitchingFlow, result: Any, begin: float, n: int, most: int | N
         return
     t = begin + (float(rows[-1, 2]) if len(rows) else 0.0)
     names, last = [repr(mode) for mode in flow.modes], round(float(result.memory[0, 0]))
+    stiff = f"{', '.join(flow.inner)} may be stiff, as of rate-and-state friction at rest, and the steps of flows are explicit"
+    advice = f"{stiff}: write a Machine of bodies and contacts, which Rosenbrock steps follow"
+    if status in (Status.SWITCHES, Status.CHATTERS) and flow.inner and not any(flow.switches.values()):  # the turns are of a law
+        raise SolveError(f"the slip of a contact with inner states turns round without end at t = {t:.9g}; {advice}", status)
     if status in (Status.SWITCHES, Status.CHATTERS):
         visited = [names[int(number) - 1] for number in [*rows[-3:, 4], last]]
         raise SolveError(accumulates(t, visited, None if status == Status.CHATTERS else MOST_SWITCHES), status)
     end = result.end[0, 1 : 1 + n].tolist()
     mistake = f"the flow could not be followed in mode {names[last - 1]} beyond t = {t:.9g}: {STATUS[status]}; the state was {end}"
     if status == Status.BUDGET and flow.inner:
-        stiff = f"{', '.join(flow.inner)} may be stiff, as of rate-and-state friction at rest, and the steps of flows are explicit"
-        mistake += f"; {stiff}: write a Machine of bodies and contacts, which Rosenbrock steps follow"
+        mistake += f"; {advice}"
     raise SolveError(mistake, status)
 
 

@@ -80,6 +80,11 @@ def column_of(what: str, name: str) -> str:
 def _with_columns(todo: Request, summary: Summary, events: Mapping[str, Crossing], run: Callable[[Request], Any]) -> Summary:
     """The summary with two more columns for each event: its first instant (NaN: none), and how often it happens (-1: not known)."""
     refuse_terminal("solve", events)
+    return replace(summary, columns={**summary.columns, **event_columns_of_cases(todo, events, run)})
+
+
+def event_columns_of_cases(todo: Request, events: Mapping[str, Crossing], run: Callable[[Request], Any]) -> dict[str, Any]:
+    """These columns by name, in the shape of the batch: every case is run by itself, over all of its time."""
     lacking = {column_of("first", name): np.nan for name in events} | {column_of("number", name): -1 for name in events}
     rows: list[dict[str, Any]] = []
     for k, case in enumerate(cases_of(todo.model)):
@@ -88,8 +93,7 @@ def _with_columns(todo: Request, summary: Summary, events: Mapping[str, Crossing
             rows.append(event_columns(run(_one_case(todo, case, k)), events))
         except SolveError:
             rows.append(lacking)
-    more = {name: np.array([row[name] for row in rows]).reshape(todo.labels.shape) for name in lacking}
-    return replace(summary, columns={**summary.columns, **more})
+    return {name: np.array([row[name] for row in rows]).reshape(todo.labels.shape) for name in lacking}
 
 
 def _one_case(todo: Request, case: Any, k: int) -> Request:

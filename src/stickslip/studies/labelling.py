@@ -12,6 +12,7 @@ import numpy as np
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import field_description
+from stickslip.basics.fingerprints import fingerprint
 from stickslip.basics.jsontext import as_plain
 from stickslip.basics.quantities import axis_in
 from stickslip.basics.variables import VARIABLES, unit_of
@@ -20,6 +21,7 @@ from stickslip.models.naming import axis_of
 from stickslip.models.observables import Derived
 from stickslip.models.presets import DIMENSIONLESS
 from stickslip.results.datasets import column_description
+from stickslip.solvers.named_events import column_of
 from stickslip.solvers.request import versions
 from stickslip.studies.models_of_points import shared_numbers
 from stickslip.studies.planning import Plan
@@ -38,9 +40,14 @@ def maker_of(make: Model | Callable[..., Any]) -> str:
 def provenance_of(plan: Plan) -> dict[str, Any]:
     """Versions, settings and kinds, which are needed to repeat the results."""
     known = versions() | {name: _version(name) for name in ("numba", "scipy", "xarray")}
-    settings = {name: value for name, value in plan.options.items() if name != "observe"}
+    settings = {name: value for name, value in plan.options.items() if name not in ("observe", "events")}
     settings |= {"continue_along": plan.along} if plan.along else {}
-    settings |= {"observe": {name: each.fingerprint for name, each in plan.options["observe"].items()}} if plan.observed else {}
+    settings |= (
+        {"observe": {name: each.fingerprint for name, each in plan.options["observe"].items()}} if plan.options.get("observe") else {}
+    )
+    settings |= (
+        {"events": {name: fingerprint(each).digest for name, each in plan.options["events"].items()}} if plan.options.get("events") else {}
+    )
     kinds = {} if plan.sample is None else {"law": machine_of(plan.sample).law_names, "model": type(plan.sample).__name__}
     return {"versions": known, "settings": settings, "kinds": kinds, **plan.space.attributes}
 
@@ -119,7 +126,11 @@ def user_columns(plan: Plan) -> dict[str, dict[str, str]]:
     """Units and meanings of user-defined columns."""
     observe = plan.options.get("observe") or {}
     units = {name: _slope_unit(plan, each) if each.unit is None else each.unit for name, each in observe.items()}
-    return {name: {"units": units[name], "long_name": each.meaning} for name, each in observe.items()}
+    known = {name: {"units": units[name], "long_name": each.meaning} for name, each in observe.items()}
+    for name in plan.options.get("events") or {}:
+        known[column_of("first", name)] = {"units": "s", "long_name": f"first instant of {name}"}
+        known[column_of("number", name)] = {"units": "1", "long_name": f"how often {name} happens"}
+    return known
 
 
 def _slope_unit(plan: Plan, slope: Derived) -> str:

@@ -50,8 +50,9 @@ def identity(plan: Plan, every: int, models: list[str]) -> dict[str, str]:
     axes = {name: [list(c.dims), c.values] for name, c in plan.space.columns.items()}
     parts: dict[str, Any] = {f"axis {name}": digest(value) for name, value in axes.items()}
     parts |= {name: as_plain(value) for name, value in plan.space.fixed.items()}
-    parts |= {f"option {name}": value for name, value in plan.options.items() if name != "observe"}
+    parts |= {f"option {name}": value for name, value in plan.options.items() if name not in ("observe", "events")}
     parts |= {f"observe {name}": each.fingerprint for name, each in (plan.options.get("observe") or {}).items()}
+    parts |= {f"event {name}": fingerprint(each).digest for name, each in (plan.options.get("events") or {}).items()}
     parts |= {"version of stickslip": versions["stickslip"]}
     parts |= {f"version of {name}": ".".join(versions[name].split(".")[:2]) for name in _LIBRARIES}
     parts |= {"maker": maker_of(plan.make), "robot": digest(models), "start": digest(plan.start)}

@@ -17,6 +17,7 @@ from stickslip.basics.variables import VARIABLES
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.observables import by_time_of_computation, checked_observables
 from stickslip.solvers.methods import SLOW
+from stickslip.solvers.named_events import column_of, events_of_model, refuse_terminal
 from stickslip.solvers.settings import Settings
 from stickslip.studies.models_of_points import groups_of_points, refusals
 from stickslip.studies.result_columns import COLUMNS, part_columns
@@ -113,8 +114,9 @@ class Plan:
 
     @property
     def observed(self) -> tuple[str, ...]:
-        """Names of user-defined columns."""
-        return tuple(self.options.get("observe") or ())
+        """Names of user-defined columns: observables, and the first instants and numbers of events."""
+        events = [column_of(what, name) for name in self.options.get("events") or () for what in ("first", "number")]
+        return (*(self.options.get("observe") or ()), *events)
 
     @cached_property
     def sample(self) -> Any:
@@ -152,8 +154,11 @@ def planned(
     problems.check()
     checked_observables("sweep", options.get("observe"), (*COLUMNS, *VARIABLES, *space.columns, *space.dims, *plan.parts), derived=True)
     _check_derived(plan)
+    refuse_terminal("sweep", {} if plan.sample is None else events_of_model("sweep", plan.sample, options.get("events")))
+    if len(set(plan.observed)) < len(plan.observed):
+        raise InputError("sweep", ["two names of observe and events make the same column; give one of them another name"])
     if plan.observed and along is not None:
-        raise InputError("sweep", ["observe and continue_along cannot go together; leave one of them out"])
+        raise InputError("sweep", ["observe or events and continue_along cannot go together; leave one of them out"])
     _check_options(plan)
     return replace(plan, tile=int(tile) if tile else _tile(plan))
 
@@ -219,7 +224,8 @@ def _check_options(plan: Plan) -> None:
 
 def settings_of(options: dict[str, Any], **more: Any) -> Settings:
     """The settings of `solve` for options of a sweep; with a duration, there are no periods to count."""
-    settings = Settings(**{**options, "observe": by_time_of_computation(options.get("observe"))[0] or None}, **more)
+    known = {name: value for name, value in options.items() if name != "events"}  # the columns of events come from runs of their own
+    settings = Settings(**{**known, "observe": by_time_of_computation(options.get("observe"))[0] or None}, **more)
     if settings.duration is None:
         return settings
     return replace(settings, periods=None, settle=None if settings.settle == "auto" else settings.settle)

@@ -104,8 +104,8 @@ def sweep(
         True for a progress line, or a function that is called with a `Progress`; return False to stop. The results obtained so far are
         returned, as after Ctrl-C; the remaining cases have the status "not computed", and a note says how many they are.
     events : dict, optional
-        Events of your own by name, of sweeps of a `SwitchingFlow`: columns with the first instant and the number of each, as of a batch of
-        `solve`, which has them of machines too.
+        Events of your own by name, as for `solve`: columns with the first instant and the number of each, ``first_passes_the_mark`` [s]
+        and ``number_passes_the_mark``, in all the periods (or the duration) from the start. Each case is run once more for them.
     **axes
         Arguments of `make`. A list, an array or an `xarray.DataArray` is an axis, also of words, such as ``law=["coulomb", "lugre"]``.
 
@@ -144,9 +144,7 @@ def sweep(
 
         told = options | {"start": start, "events": events, "periods": None if duration is not None and periods == 200 else periods}
         return sweep_of_flow(make, designs, axes, Settings(**told), how, continue_along)
-    if events is not None:
-        how_to = "type ss.solve(machine, events=...) of a machine whose numbers are arrays, which has a column for each event"
-        raise InputError("sweep", [f"events is known of sweeps of a SwitchingFlow; {how_to}"])
+    options |= {} if events is None else {"events": events}
     return carried_out(planned(make, designs, axes, start, continue_along, tile, **options), how)
 
 
@@ -235,7 +233,9 @@ def tiles_of(
         from stickslip.studies.cluster import tiles_from
 
         if plan.observed:
-            raise InputError("sweep", ["observe and client cannot go together: functions are not sent to other machines; leave one out"])
+            raise InputError(
+                "sweep", ["observe or events and client cannot go together: functions are not sent to other machines; leave one out"]
+            )
 
         yield from tiles_from(plan, todo, client, retries, watch, identities or ModelIdentities(plan))
         return

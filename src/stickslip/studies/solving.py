@@ -20,10 +20,11 @@ from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import MachineAdapter, machine_of
 from stickslip.models.observables import by_time_of_computation
 from stickslip.results.part_notes import notes_of_cases
-from stickslip.solvers import coulomb_steady_motions as orbits, part_results as parts, solved as solved_as_asked
+from stickslip.solvers import coulomb_steady_motions as orbits, events_of_cases, part_results as parts, solved as solved_as_asked
 from stickslip.solvers.closed_arcs import dimensionless_arcs, handles
 from stickslip.solvers.methods import takes_closed_arcs
 from stickslip.solvers.request import request
+from stickslip.solvers.settings import Settings
 from stickslip.studies.model_identity import ModelIdentities
 from stickslip.studies.models_of_points import Group, groups_of_points, starts_at
 from stickslip.studies.planning import Plan, settings_of
@@ -193,6 +194,10 @@ def columns_of(
     columns_kept |= {name: many.columns[name] for name in observed}
     if derived:
         columns_kept |= next(iter(derived.values())).values(robot, count, derived, options["periods"])
+    if options.get("events"):
+        length = {name: value for name, value in options.items() if name in ("periods", "duration", "rtol", "method")}
+        length |= {} if length["duration"] is None else {"periods": None}
+        columns_kept |= events_of_cases(robot, Settings(**length, events=options["events"], start=start or None, keep="summary"))
     columns_kept |= _power(robot, many.columns, more) | _alphas(robot)
     if settle is not None:
         of_motions = motion_columns(robot, start, options, settle, columns_kept["status"])
