@@ -12,7 +12,7 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.maths import bisected
 from stickslip.models.contact_forces import held_by_controllers, places_of
 from stickslip.models.forces import columns, slip_ratio
-from stickslip.models.friction.law_adapter import LawAdapter
+from stickslip.models.friction.law_adapter import TINY, LawAdapter
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.state_layout import of_one_contact
 
@@ -64,7 +64,7 @@ class WatchedContact:
             column = run._forces_at(t, index, *states)
             slip, load = column["slip"][:, i], column["load"][:, i]
         else:
-            slip, load = self.mechanics.slips(t, self.mechanics.coordinates_of(tuple(v.T)))[i], self._load(t, x)
+            slip, load = self.mechanics.slips(t, self.mechanics.coordinates_of(tuple(v.T)))[i], self._load(t, x, v, z)
         memory = run.pieces.memory[index][:, list(run.pieces.layout.contacts[i].memory)]
         speed, inner = machine_of(run.model).velocity_scale, z[:, i, : self.law.states].T
         return np.asarray(slip_ratio(self.law, speed, self.modes[index], slip, load, inner, tuple(memory.T)))
@@ -86,12 +86,18 @@ class WatchedContact:
 
     def limits(self, t: Array) -> tuple[Array, Array]:
         """Static friction limits backwards and forwards [N]."""
-        x = self.run._states_at(t, self.run._index(t))[0]
-        low, high = (np.broadcast_to(limit, t.shape) for limit in self.law.breakaway(self._load(t, x)))
-        return low, high
+        states = x, v, z = self.run._states_at(t, self.run._index(t))
+        if not any(self.mechanics.of_motion):
+            low, high = self.law.breakaway(self._load(t, *states))
+        else:  # of a body about to go backwards, and forwards
+            near = [np.where(abs(v) > TINY, v, side * TINY) for side in (-1.0, 1.0)]
+            low, high = (self.law.breakaway(self._load(t, x, moving, z))[k] for k, moving in enumerate(near))
+        return np.broadcast_to(low, t.shape), np.broadcast_to(high, t.shape)
 
-    def _load(self, t: Array, x: Array) -> Any:
-        return self.mechanics.loads(t, self.mechanics.coordinates_of(tuple(x.T)))[self.number]
+    def _load(self, t: Array, x: Array, v: Array, z: Array) -> Any:
+        m = self.mechanics
+        q, u = (m.coordinates_of(tuple(of.T)) for of in (x, v))
+        return m.load(self.number, t, q, u, held_by_controllers(m, z))
 
 
 def watched_contacts(run: Trajectory) -> dict[str, WatchedContact]:

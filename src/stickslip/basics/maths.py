@@ -16,6 +16,7 @@ from typing import Any
 
 from stickslip.basics.contracts import Numeric
 from stickslip.basics.lazy_names import listing
+from stickslip.basics.of_own import OfOwn, without_others
 
 __all__ = [
     "asinh", "atan", "cos", "cosh", "exp", "hypot", "is_symbol",
@@ -43,6 +44,8 @@ def function_value(name: str, x: Any) -> Any:
         except (ValueError, OverflowError):
             y = math.inf
         return y if abs(y) < _FAR or x != x else _beyond(name, x)
+    if type(x) is OfOwn:
+        return function_value(name, x.value)
     import numpy as np
 
     if name in _GROWING:
@@ -151,7 +154,7 @@ def where(condition: Any, yes: Any, no: Any) -> Any:
     >>> where(2.0 > 1.0, 10.0, 20.0)
     10.0
     """
-    hook = getattr(condition, "__ss_where__", None)
+    yes, no, hook = without_others(yes), without_others(no), getattr(condition, "__ss_where__", None)
     if hook is not None:
         return hook(yes, no)
     if isinstance(condition, int):  # ~True is -2 in Python; in any &, | and ~ of bools the last bit holds the truth value

@@ -8,6 +8,7 @@ from typing import Any
 
 from stickslip.basics import maths
 from stickslip.basics.contracts import Numeric
+from stickslip.basics.of_own import OfOwn
 
 
 class Moving:
@@ -177,12 +178,12 @@ for _name, _derivatives in _FUNCTIONS.items():
 
 
 def defers_to_moving(cls: type) -> type:
-    """Decorator of a class of symbols, whose operators leave the work to a `Moving` on their right."""
+    """Decorator of a class of symbols, whose operators leave the work to a `Moving` or an `OfOwn` on their right."""
 
     def deferring(own: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
         @functools.wraps(own)
         def operator(self: Any, other: Any) -> Any:
-            return NotImplemented if type(other) is Moving else own(self, other)
+            return NotImplemented if type(other) in (Moving, OfOwn) else own(self, other)
 
         return operator
 

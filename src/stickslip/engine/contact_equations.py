@@ -6,7 +6,7 @@ from typing import Any
 
 from stickslip.basics.status import Status
 from stickslip.engine.assembly import Assembly
-from stickslip.engine.coupled import add_box, add_feet
+from stickslip.engine.coupled import add_box, add_feet, breakaway
 from stickslip.engine.flight import add_flight, add_take_off_and_landing, side_in_flight
 from stickslip.engine.pressed import Pressed, add_pressed, pressed_stops, settled_apart, settles, shut_at
 from stickslip.engine.refused import groups_of
@@ -16,6 +16,7 @@ from stickslip.engine.system import Branches, TracedContact
 from stickslip.engine.values import needed_by
 from stickslip.models.mechanics import brakes_one
 
+_UNPRESSED = 1e-12  # of the force that gives a mass the velocity scale in a period: a load that is none
 _NEAR = 1e-15  # of the velocity scale: what rounding makes of a slip that is a difference, and that begins without acceleration
 
 
@@ -103,7 +104,7 @@ def _add_switches(parts: Assembly, i: int, z: tuple[Sym, ...], own: list[tuple[i
 def _add_set_valued(parts: Assembly, i: int, speed: Sym | None) -> None:
     """A law that may hold the body: mode +1 slides forwards, -1 backwards, 0 is stuck until the forces reach break-away."""
     m = parts.m
-    graph, law, slip, load = m.graph, m.laws[i], m.slips[i], m.loads[i]
+    graph, law, slip = m.graph, m.laws[i], m.slips[i]
     j = next(k for k, g in enumerate(m.directions[i]) if g)  # the coordinate that it brakes
     one, zero = graph.constant(1.0), graph.constant(0.0)
     sliding: list[Sym] = []
@@ -111,8 +112,8 @@ def _add_set_valued(parts: Assembly, i: int, speed: Sym | None) -> None:
     slides = parts.slip(i)
     for side in (1.0, -1.0):
         graph.assumed[slides.number] = side
-        sliding.append(m.accelerations({**parts.known_forces, i: law.sliding(slides, load)})[j])
-    backward, forward = law.breakaway(load)
+        sliding.append(m.accelerations({**parts.known_forces, i: law.sliding(slides, m.load(i, side))})[j])
+    backward, forward = breakaway(m, i)
     owned = m.owner[j] == i
     still = zero if owned else -(slip - m.y[j])
     held = zero if owned else graph.derivative(still, m.t)  # acceleration of the body while it rests on what it rubs on
@@ -169,6 +170,23 @@ def add_contacts(parts: Assembly, speeds: list[Sym | None]) -> None:
     parts.contacts.sort(key=lambda contact: m.equations.contacts.index(contact.name))
     for p in m.pressed:
         add_pressed(parts, p)
+
+
+def loads_that_end(parts: Assembly, i: int) -> list[Sym]:
+    """What is positive as long as a contact is not lost: its load, at rest that of either side.
+
+    A load that follows from forces or velocities may touch zero, as that of a gear does where its torque is zero: it is lost once it
+    lies below zero by more than rounding makes of forces.
+    """
+    m = parts.m
+    if not m.of_motion[i]:
+        return [m.loads[i]]
+    mass = m.lift(m.equations.masses[next(k for k, g in enumerate(m.directions[i]) if g)])
+    least = _UNPRESSED * (mass * (parts.velocity_scale / m.period(m.model)))
+    if m.load(i, 1.0) is m.load(i, -1.0):
+        return [m.load(i, 1.0) + least]
+    one, mode = m.graph.constant(1.0), parts.modes[i]
+    return [m.graph.select(-side * mode, one, m.load(i, side) + least) for side in (1.0, -1.0)]
 
 
 def add_stop(parts: Assembly, stop: Any) -> None:

@@ -321,15 +321,21 @@ def sliding_both_ways(parts: Assembly, i: int) -> tuple[Sym, Sym]:
     m, forces, slip = parts.m, [], parts.slip(i)
     for side in (1.0, -1.0):
         m.graph.assumed[slip.number] = side
-        forces.append(m.lift(m.laws[i].sliding(slip, m.loads[i])))
+        forces.append(m.lift(m.laws[i].sliding(slip, m.load(i, side))))
     m.graph.assumed.clear()
     return forces[0], forces[1]
 
 
 def limits_of(parts: Assembly, i: int) -> tuple[Sym, Sym]:
     """Friction forces (backward, forward) that a contact can bear at rest."""
-    backward, forward = parts.m.laws[i].breakaway(parts.m.loads[i])
+    backward, forward = breakaway(parts.m, i)
     return parts.m.lift(backward), parts.m.lift(forward)
+
+
+def breakaway(m: Symbolic, i: int) -> tuple[Any, Any]:
+    """The same as a law says them: each under the load of a body about to move that way."""
+    low, high = m.laws[i].breakaway(m.load(i, -1.0))
+    return (low, high) if i not in m.by_side else (low, m.laws[i].breakaway(m.load(i, 1.0))[1])
 
 
 def _sums(pairs: list[tuple[Sym, Sym]]) -> tuple[Sym, Sym]:

@@ -184,7 +184,7 @@ def _of_contacts(mechanics: Any, letters: Letters) -> list[str]:
     """Slips, loads and laws; what differs in the numbers of its symbols alone stands once, with the index i."""
     own, t, bodies = indices(mechanics.contacts), symbol("t", 0), indices(mechanics.bodies)
     x, v = _states(bodies)
-    given = list(zip(mechanics.laws, mechanics.slips(t, v), mechanics.loads(t, x), own, strict=True))
+    given = list(zip(mechanics.laws, mechanics.slips(t, v), mechanics.loads(t, x, v, _held(mechanics)), own, strict=True))
     blocks = []
     for lines_of in (_slip_lines, _load_lines, _law_lines):
         by_text = dict[str, tuple[list[str], list[str]]]()

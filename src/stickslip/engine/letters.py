@@ -10,6 +10,7 @@ from typing import Any
 import sympy
 
 from stickslip.basics.contracts import Numeric
+from stickslip.basics.of_own import without_others
 from stickslip.basics.time_rates import defers_to_moving
 from stickslip.engine.symbols import FUNCTIONS
 
@@ -172,6 +173,7 @@ def expression_of(value: Any) -> sympy.Expr:
     >>> expression_of(0.3), expression_of(math.pi / 2)
     (3/10, \pi/2)
     """
+    value = without_others(value)
     if isinstance(value, Formula):
         return value.expression
     if not isinstance(value, float):

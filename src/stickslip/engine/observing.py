@@ -64,7 +64,12 @@ class _State:
     @cached_property
     def load(self) -> Any:
         """Normal forces on the contacts."""
-        return self._given("load", [touching(self._parts, i, load) for i, load in enumerate(self._m.loads)])
+        return self._given("load", [touching(self._parts, i, self._load(i)) for i in range(len(self._m.loads))])
+
+    def _load(self, i: int) -> Any:
+        """The load of a contact, of one that slides that of its side."""
+        forwards, backwards = self._m.load(i, 1.0), self._m.load(i, -1.0)
+        return self._m.graph.by_side(self._parts.modes[i], forwards, backwards, forwards)
 
     @cached_property
     def friction_force(self) -> Any:

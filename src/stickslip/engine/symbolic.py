@@ -60,7 +60,12 @@ class Symbolic:
         for slip, law in zip(self.slips, self.laws, strict=True):
             if law.dynamic:
                 graph.sign(slip)  # of each contact, before any other condition
-        self.loads = tuple(map(self.lift, self.equations.loads(self.t, self.places)))
+        self.of_motion = self.equations.of_motion or (False,) * len(self.laws)
+        self.by_side = {i: self._load_by_side(i) for i, of in enumerate(self.of_motion) if of and not self.laws[i].dynamic}
+        if any(self.of_motion):
+            self.loads = tuple(self.by_side[i][0] if i in self.by_side else self._load(i) for i in range(len(self.laws)))
+        else:
+            self.loads = tuple(map(self.lift, self.equations.loads(self.t, self.places)))
         self.first_loads = tuple(map(self.lift, self.equations.loads(zero, (zero,) * n)))  # typical loads, where they vary
 
     @cached_property
@@ -75,6 +80,23 @@ class Symbolic:
     def weighted(self, i: int) -> tuple[Any, ...]:
         """The row of a contact where it has other coefficients than 1, -1 and 0; else nothing."""
         return () if set(self.directions[i]) <= {1.0, -1.0, 0.0} else self.rows[i]
+
+    def _load(self, i: int) -> Sym:
+        """Load of a contact, by the motion and the forces of the instant."""
+        return self.lift(self.equations.load(i, self.t, self.places, self.v, self.held))
+
+    def _load_by_side(self, i: int) -> tuple[Sym, Sym]:
+        """The same of a contact that may rest, which slides forwards, or is about to, and backwards."""
+        loads = []
+        for side in (1.0, -1.0):
+            self.graph.assumed[self.slips[i].number] = side
+            loads.append(self._load(i))
+        self.graph.assumed.clear()
+        return loads[0], loads[1]
+
+    def load(self, i: int, side: float) -> Sym:
+        """Load of a contact that slides to a side, or is about to."""
+        return self.loads[i] if i not in self.by_side else self.by_side[i][0 if side > 0 else 1]
 
     def _slip(self, i: int) -> Sym:
         return self.lift(self.equations.slips(self.t, self.v)[i])

@@ -39,10 +39,10 @@ def contact_columns(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: Ar
         acceleration (n, bodies) [m/s^2], friction_force (n, contacts) [N], slip (n, contacts) [m/s], load (n, contacts) [N].
     """
     q, u = (mechanics.coordinates_of(tuple(of.T)) for of in (x, v))
-    slips, loads = _columns(mechanics.slips(t, u), t), _columns(mechanics.loads(t, q), t)
+    held = held_by_controllers(mechanics, np.stack(z, axis=-1) if len(z) else None)
+    slips, loads = _columns(mechanics.slips(t, u), t), _columns(mechanics.loads(t, q, u, held), t)
     R = np.zeros_like(slips)
     first, scale = 0, getattr(mechanics, "velocity_scale", None) or 0.0
-    held = held_by_controllers(mechanics, np.stack(z, axis=-1) if len(z) else None)
     free = _columns(mechanics.accelerations(t, q, u, (0.0,) * len(mechanics.contacts), held), t)
     prescribed, closed = _columns(mechanics.offset_rates(t), t), closed_stops(mechanics, t, q, u)
     asking: dict[int, Callable[[Array], Array]] = {}

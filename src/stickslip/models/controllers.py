@@ -9,6 +9,7 @@ from typing import Any
 
 from stickslip.basics.contracts import Numeric
 from stickslip.basics.maths import minimum, where
+from stickslip.models.instant_forces import parts_of_forces
 
 Named = Mapping[str, Any]
 #: Attributes of a controller. The positions x and velocities v are given by the names of the bodies, z are its own states; all may
@@ -81,7 +82,12 @@ class Controllers:
 
     def forces(self, t: Numeric, x: Named, v: Named, z: Sequence[Any]) -> list[tuple[str, Any]]:
         """Each force with the body that it acts on."""
-        return [pair for _, part, own, _ in self._owned(z) for pair in part.forces(t, x, v, own).items()]
+        own = (forces.items() for _, forces in self.forces_by_name(t, x, v, z))
+        return [(body, force) for forces in own for body, _, force in parts_of_forces(forces)]
+
+    def forces_by_name(self, t: Numeric, x: Named, v: Named, z: Sequence[Any]) -> list[tuple[str, Named]]:
+        """Forces on bodies by the name of the controller."""
+        return [(name, part.forces(t, x, v, own)) for name, part, own, _ in self._owned(z)]
 
     def _owned(self, z: Sequence[Any]) -> list[tuple[str, Any, tuple[Any, ...], tuple[Any, ...]]]:
         """Each controller by its name, with its own states, and its count of ticks where it has one."""

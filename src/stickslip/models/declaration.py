@@ -66,7 +66,7 @@ def calls(m: Mechanics, at: Arguments) -> Calls:
     functions: dict[str, Callable[[], Any]] = {
         "period": lambda: (m.period,),
         "masses": lambda: m.masses,
-        "load" if single else "loads": lambda: m.loads(at.t, at.q),
+        "load" if single else "loads": lambda: m.loads(at.t, at.q, at.u, at.controlled),
         "acceleration" if single else "accelerations": lambda: m.accelerations(at.t, at.q, at.u, at.forces, at.controlled),
         "contact velocity" if single else "slips": lambda: m.slips(at.t, at.u),
     }

@@ -317,8 +317,8 @@ def forget_mechanics() -> None:
 _OWN_MECHANICS = (
     "it overrides mechanics, which solvers and analyses do not read; allowed are the methods bodies, contacts, links, stops, forces and "
     'controllers; type for example def forces(self, t, x, v): return {"cart": -self.k * x["cart"]} for forces, and '
-    'ss.Contact("cart", law, load=lambda t, x: ...) for loads; a system with other equations (masses that depend on the position, a load '
-    "that depends on another body) is an ss.SwitchingFlow with contacts={...} of ss.machines.FlowContact"
+    'ss.Contact("cart", law, load=lambda t, x, v, forces: ...) for loads; a system with other equations (masses that depend on x, a load '
+    "that follows from friction) is an ss.SwitchingFlow with contacts={...} of ss.machines.FlowContact"
 )
 
 

@@ -37,6 +37,7 @@ class Mechanics(Protocol):
     elastic: Sequence[tuple[Any, Any]] = ()  # links and elastic stops, with the bodies that they join
     prescribed: Sequence[tuple[Any, Any]] = ()  # links that keep a distance
     controllers: Controllers = NO_CONTROLLERS
+    of_motion: tuple[bool, ...] = ()  # of each contact, whether its load is a function of velocities or forces; () if no load is
 
     @property
     def coordinates(self) -> int:
@@ -103,8 +104,16 @@ class Mechanics(Protocol):
     def offsets(self, t: Numeric) -> tuple[Any, ...]:
         """Slip velocity of each contact while no coordinate moves [m/s]."""
 
-    def loads(self, t: Numeric, q: Numbers) -> tuple[Any, ...]:
-        """Normal force on each contact [N]."""
+    def loads(self, t: Numeric, q: Numbers, u: Numbers | None = None, z: Numbers | None = None) -> tuple[Any, ...]:
+        """Normal force on each contact [N].
+
+        Loads that are functions of velocities and forces (`of_motion`) are those at rest, and under controllers that are switched on at
+        this instant, where velocities u and the states z of the controllers are not given.
+        """
+
+    def load(self, i: int, t: Numeric, q: Numbers, u: Numbers | None = None, z: Numbers | None = None) -> Any:
+        """Normal force on one contact [N]."""
+        return self.loads(t, q, u, z)[i]
 
     def positions(self, t: Numeric, q: Numbers) -> tuple[Any, ...]:
         """Position of each body [m]."""
@@ -235,7 +244,7 @@ class OneBody(Mechanics):
         """Velocity at the contact."""
         return (self.model.contact_velocity(u[0]),)
 
-    def loads(self, t: Numeric, q: Numbers) -> tuple[Any, ...]:
+    def loads(self, t: Numeric, q: Numbers, u: Numbers | None = None, z: Numbers | None = None) -> tuple[Any, ...]:
         """Normal force [N]."""
         return (normal_load(self.model, t, q[0]),)
 

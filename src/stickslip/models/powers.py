@@ -8,6 +8,7 @@ import numpy as np
 
 from stickslip.basics.contracts import Array
 from stickslip.models.contact_forces import closed_stops, held_by_controllers
+from stickslip.models.instant_forces import parts_of_forces
 from stickslip.models.links_in_time import sees_time
 
 if TYPE_CHECKING:
@@ -75,7 +76,8 @@ def _applied(mechanics: Any, t: Array, x: Array, v: Array, held: Any) -> Array:
     """Applied force on each body, with those of controllers (n, bodies) [N]."""
     at, moving = (dict(zip(mechanics.bodies, of.T, strict=True)) for of in (x, v))
     on = {name: body.applied(t, at[name], moving[name]) + 0.0 * t for name, body in mechanics.parts.items()}
-    for name, force in [*mechanics.model.forces(t, at, moving).items(), *mechanics.controllers.forces(t, at, moving, held)]:
+    own = [(name, force) for name, _, force in parts_of_forces(mechanics.model.forces(t, at, moving).items())]
+    for name, force in [*own, *mechanics.controllers.forces(t, at, moving, held)]:
         on[name] = on[name] + force
     return np.array(list(on.values())).T
 

@@ -106,7 +106,7 @@ class PushedParts(Machine):
     def forces(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any]) -> Mapping[str, Any]:
         """Those of the machine, and the applied ones."""
         own = dict(parts_of(self.machine).forces(t, x, v))
-        return {name: own[name] + force if name in own else force for name, force in zip(x, self.applied, strict=True)}
+        return {name: _more(own[name], force) if name in own else force for name, force in zip(x, self.applied, strict=True)}
 
     def mirrored(self) -> PushedParts:
         """Its mirror image."""
@@ -116,6 +116,11 @@ class PushedParts(Machine):
 
     def _check(self, problems: Problems) -> None:
         """The machine was checked when it was made."""
+
+
+def _more(own: Any, force: Any) -> Any:
+    """A force of a machine, or its parts by name, and one more."""
+    return {**own, "applied": own.get("applied", 0.0) + force} if isinstance(own, Mapping) else own + force
 
 
 def pushed(machine: Model) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import cached_property, reduce
+from functools import cached_property, partial, reduce
 from operator import add, attrgetter
 from typing import Any
 
@@ -14,6 +14,7 @@ from stickslip.basics.fields import Frozen
 from stickslip.basics.maths import maximum, minimum, pi, sqrt
 from stickslip.models.controllers import Controllers
 from stickslip.models.friction.law_adapter import LawAdapter, adapted
+from stickslip.models.instant_forces import InstantForces, arguments_of_load, parts_of_forces, pressing
 from stickslip.models.links_in_time import pull_of, sees_time
 from stickslip.models.mechanics import SOME, Mechanics, Numbers, signed_less
 from stickslip.models.powers import names_of_links, powers
@@ -64,6 +65,11 @@ class SeveralBodies(Mechanics):
         self.bodies, self.joints = tuple(self.parts), dict(model.contacts())
         self.number = {name: i for i, name in enumerate(self.bodies)}
         self.contacts = tuple(self.joints)
+        counts = [arguments_of_load(c.load) or 0 for c in self.joints.values()]
+        self.presses = [
+            pressing(c.load, n, partial(along, c)) if n > 2 else None for c, n in zip(self.joints.values(), counts, strict=True)
+        ]
+        self.of_motion = tuple(n > 2 for n in counts)
         self.controllers = Controllers(model.controllers())
         links = {ends: several(link) for ends, link in model.links().items()}
         self.elastic = [(ends, link) for ends, each in links.items() for link in each if _is_elastic(link)]
@@ -229,7 +235,8 @@ class SeveralBodies(Mechanics):
         for name, body in self.parts.items():
             total[self.coordinate[name]] = total[self.coordinate[name]] + body.applied(t, x[name], v[name])
         controlled = self.controllers.forces(t, x, v, self.controllers.start(t, x, v) if z is None else z)
-        for name, force in (*self.model.forces(t, dict(x), dict(v)).items(), *controlled):
+        applied = [(name, force) for name, _, force in parts_of_forces(self.model.forces(t, dict(x), dict(v)).items())]
+        for name, force in (*applied, *controlled):
             total[self.coordinate[name]] = total[self.coordinate[name]] + force
         for (ends, _), pull in zip(self.elastic, self.pulls, strict=True):
             tension = pull(t, _distance(ends, x), _distance(ends, v))
@@ -245,11 +252,23 @@ class SeveralBodies(Mechanics):
         first = values[self.number[ends[0]]]
         return first if ends[1] is None else first - values[self.number[ends[1]]]
 
-    def loads(self, t: Numeric, q: Numbers) -> tuple[Any, ...]:
+    def loads(self, t: Numeric, q: Numbers, u: Numbers | None = None, z: Numbers | None = None) -> tuple[Any, ...]:
         """Normal force on each contact [N]."""
-        x = dict(zip(self.bodies, self.positions(t, q), strict=True))
-        gravity = getattr(self.model, "gravity", GRAVITY)
-        given = [(c, c.normal(t, _along(c, x))) for c in self.joints.values()]
+        return self._pressed(range(len(self.contacts)), t, q, u, z)
+
+    def load(self, i: int, t: Numeric, q: Numbers, u: Numbers | None = None, z: Numbers | None = None) -> Any:
+        """Normal force on one contact [N]."""
+        return self._pressed((i,), t, q, u, z)[0]
+
+    def _pressed(self, which: Iterable[int], t: Numeric, q: Numbers, u: Numbers | None, z: Numbers | None) -> tuple[Any, ...]:
+        """Normal forces on some contacts [N]."""
+        x, v = dict(zip(self.bodies, self.positions(t, q), strict=True)), dict[str, Any]()
+        forces: InstantForces | None = None
+        asked, gravity = [(self.presses[i], self.joints[self.contacts[i]]) for i in which], getattr(self.model, "gravity", GRAVITY)
+        if any(self.of_motion[i] for i in which):
+            v = dict(zip(self.bodies, self.velocities(t, (0.0,) * len(self.groups) if u is None else u), strict=True))
+            forces = InstantForces(self, t, x, v, self.controllers.start(t, x, v) if z is None else z)
+        given = [(c, c.normal(t, along(c, x)) if press is None else press(t, x, v, forces)) for press, c in asked]
         return tuple(self.parts[c.body].mass * gravity if load is None else load for c, load in given)
 
     def offsets(self, t: Numeric) -> tuple[Any, ...]:
@@ -403,7 +422,7 @@ def several(parts: Any) -> tuple[Any, ...]:
     return parts if isinstance(parts, tuple) and not isinstance(parts, Frozen) else (parts,)
 
 
-def _along(contact: Any, x: dict[str, Any]) -> Any:
+def along(contact: Any, x: dict[str, Any]) -> Any:
     """The position that a contact's load is a function of [m]."""
     return x[contact.body] if isinstance(contact.body, str) else _sum(g * x[name] for name, g in contact.coefficients.items())
 

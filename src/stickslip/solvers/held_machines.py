@@ -286,9 +286,10 @@ class MachineCase:
 
     def lost(self, side: Side, t: float) -> list[Event]:
         """The contacts that nothing presses any more."""
-        q, _, _ = self._parts(side, t)
+        q, u, _ = self._parts(side, t)
         m = self._machine.mechanics
-        loads, first = m.loads(t, tuple(q)), m.loads(0.0, m.start)
+        held = [side.states[k] for part in self.kernel.layout.controllers for k in part.inner]
+        loads, first = m.loads(t, tuple(q), tuple(u), held), m.loads(0.0, m.start)
         sides = zip(m.contacts, loads, first, side.sides, strict=True)
         return [Event(t, "contact lost", int(mode), int(mode), name) for name, load, of, mode in sides if load <= _LOST * abs(of)]
 

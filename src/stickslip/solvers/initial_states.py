@@ -123,7 +123,7 @@ def start_of_parts(model: Model, labels: Labels, start: Any, problems: Problems)
     q, u = (_columns(mechanics.coordinates_of(tuple(of.T)), cases) for of in (x, v))
     _check_distances(mechanics, x, q, v, u, problems)
     _check_stops(mechanics, q, problems)
-    loads = mechanics.loads(0.0, tuple(q.T))
+    loads = mechanics.loads(0.0, tuple(q.T), tuple(u.T))
     _check_loads(mechanics, loads, problems)
     begun = [state for law, load in zip(laws, loads, strict=True) for state in law.start(load)]
     z = _filled("z", given.get("z"), inner, _columns(begun, cases), labels, problems)
@@ -188,8 +188,9 @@ def _check_distances(mechanics: Mechanics, x: Array, q: Array, v: Array, u: Arra
 
 def _check_loads(mechanics: Mechanics, loads: Any, problems: Problems) -> None:
     """Note contacts that nothing presses together at the start of any case and that do not fly; of some cases the status says it."""
-    for name, law, load in zip(mechanics.contacts, mechanics.laws, loads, strict=True):
-        if not law.flies and np.all(np.asarray(load, float) <= 0.0):
+    for i, (name, law, load) in enumerate(zip(mechanics.contacts, mechanics.laws, loads, strict=True)):
+        none = np.asarray(load, float) <= 0.0 if not mechanics.of_motion or not mechanics.of_motion[i] else np.asarray(load, float) < 0.0
+        if not law.flies and np.all(none):
             mistake = f"the load of the contact {name!r} is {float(np.max(load)):.4g} N at the start, so there is no contact"
             problems.add(f"{mistake}; allowed is more than zero; give another load=, or restitution=0.0 for a body that flies and lands")
 

@@ -83,7 +83,7 @@ def _drifts(model: Model) -> bool:
         q, u, _ = order.split(y, 0.0)
         t = float(random.uniform(0.0, 1.0)) * float(one.period)
         free = mechanics.accelerations(t, q, u, (0.0,) * len(mechanics.contacts))
-        forces = [*free, *mechanics.loads(t, q), *mechanics.control_answers(t, q, u)]
+        forces = [*free, *mechanics.loads(t, q, u), *mechanics.control_answers(t, q, u)]
         rows += [[float(slope) for slope in slopes_of(force, len(positions))] for force in forces]
     G = np.nan_to_num(np.array(rows)).reshape(len(rows), len(order.kept))
     sizes = np.linalg.norm(G, axis=0)

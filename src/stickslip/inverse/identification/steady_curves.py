@@ -157,7 +157,7 @@ def moves_alike_anywhere(model: Model) -> bool:
     for t, q, u, away in rng.uniform(-1.0, 1.0, (_LOOKED, 4)):
         at, moving = abs(float(t)) * model.period, (u,) * m.coordinates
         places = (tuple(x + q for x in m.start), tuple(x + q + away for x in m.start))
-        here, there = ([*m.accelerations(at, positions, moving, held), *m.loads(at, positions)] for positions in places)
+        here, there = ([*m.accelerations(at, positions, moving, held), *m.loads(at, positions, moving)] for positions in places)
         if not np.allclose(here, there, rtol=1e-12, atol=0.0):
             return False
     return True

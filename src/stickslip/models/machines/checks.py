@@ -8,12 +8,13 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.contracts import Numeric
-from stickslip.basics.errors import Problems, did_you_mean
+from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.basics.fields import checked_number, describe, everywhere
 from stickslip.basics.quantities import GRAVITIES, Rule, positive
 from stickslip.models.controllers import NEEDS
 from stickslip.models.forces import check_law
 from stickslip.models.friction.law_adapter import adapted
+from stickslip.models.instant_forces import LOADS, arguments_of_load
 from stickslip.models.machines.parts import Body, Contact, Link, Stop
 
 if TYPE_CHECKING:
@@ -67,6 +68,7 @@ def check_parts(machine: Any, problems: Problems) -> None:
         _check_groups(mechanics, problems)
         _check_stops(mechanics, problems)
         _check_controllers(mechanics, problems)
+        _check_loads(mechanics, problems)
 
 
 def _check_gravity(gravity: Any, problems: Problems) -> None:
@@ -121,9 +123,11 @@ def _check_contact(name: Any, contact: Any, bodies: dict[str, Any], problems: Pr
     elif contact.on is not None and not all(callable(getattr(contact.on, name, None)) for name in ("velocity", "acceleration")):
         allowed = "the name of a body, a speed [m/s], or a motion with position, velocity and acceleration"
         checked_number(f"{where}.on", contact.on, problems, None, allowed, "on=0.1")
-    if contact.load is not None:
-        example = "load=lambda t, x: 1.0" if callable(contact.load) else "load=1.0"
-        _check_force(f"{where}.load", contact.load, ("time", "position"), problems, positive, "a positive force [N]", example)
+    if callable(contact.load):
+        if arguments_of_load(contact.load) is None:
+            problems.add(f"{where}.load = {contact.load!r}: {LOADS}; type load=lambda t, x, v, forces: 1.0")
+    elif contact.load is not None:
+        checked_number(f"{where}.load", contact.load, problems, positive, f"a positive force [N], or {LOADS}", "load=1.0")
     own = Problems(problems.what)
     check_law(contact.friction, own)
     for sentence in own.mistakes:
@@ -151,11 +155,27 @@ def _check_coefficients(where: str, contact: Any, bodies: dict[str, Any], proble
         problems.add(f"{where}.restitution = {contact.restitution!r}; a contact with coefficients does not fly; type restitution=None")
 
 
+def _check_loads(mechanics: Mechanics, problems: Problems) -> None:
+    """Note loads that ask for forces that are not known, or take a number of the body itself for those of all."""
+    for i, name in enumerate(mechanics.contacts):
+        if mechanics.of_motion[i]:
+            try:
+                mechanics.load(i, 0.0, mechanics.start)
+            except InputError as error:
+                for mistake in error.problems:
+                    problems.add(f"contacts()[{name!r}].load: {mistake}")
+
+
 def _check_flight(name: str, contact: Any, mechanics: Any, problems: Problems) -> None:
     """Note a contact that is to fly and cannot: its body has others, or what it rubs on is a body."""
     if contact.restitution is None or isinstance(contact.body, Mapping):
         return
     where = f"contacts()[{name!r}].restitution"
+    if (arguments_of_load(contact.load) or 0) > 2:
+        problems.add(
+            f"{where}: the load of a body that flies and lands is a function of time and position, and {contact.load!r} takes velocities "
+            "too; allowed is for example load=lambda t, x: 1.0 + x; type restitution=None for a run that ends where the load falls to zero"
+        )
     checked_number(where, contact.restitution, problems, lambda e: (e >= 0) & (e < 1), "from 0 to below 1", "restitution=0.3")
     law = adapted(contact.friction)
     if not law.dynamic and not _is_affine(law):

@@ -239,7 +239,7 @@ class Joint(TakesInput, Machine):
             return {}
         torque: Any = self.torque
         applied = torque.at(in_period(t, torque, self._count(torque))) if is_record(torque) else torque
-        return {self._driven: self.gear_ratio * applied}
+        return {self._driven: {"motor": self.gear_ratio * applied}}
 
     @property
     def input(self) -> tuple[Any, dict[str, Any]]:

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from operator import attrgetter
 from typing import Any
 
 from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import Frozen
+from stickslip.basics.of_own import OfOwn
 from stickslip.models.drives.turned import Reversed
 from stickslip.models.friction.law_adapter import mirrored_law as mirrored_law
+from stickslip.models.instant_forces import InstantForces, arguments_of_load, pressing
 from stickslip.models.links_in_time import sees_time
 from stickslip.models.machines.machine import Machine
 from stickslip.models.machines.parts import Body, Contact
-from stickslip.models.several_bodies import several
+from stickslip.models.several_bodies import along, several
 
 Ends = tuple[str, str | None]
 
@@ -59,7 +62,7 @@ class Turned(Machine):
 
     def contacts(self) -> Mapping[str, Any]:
         """The contacts, with laws in the mirror."""
-        return {name: _contact(contact) for name, contact in self.machine.contacts().items()}
+        return {name: _contact(contact, self.machine) for name, contact in self.machine.contacts().items()}
 
     def links(self) -> Mapping[Ends, Any]:
         """The links, whose ends change places; those to the ground are turned themselves."""
@@ -106,7 +109,7 @@ class _TurnedController:
 
 
 def _negative(values: Mapping[str, Any]) -> dict[str, Any]:
-    return {name: -value for name, value in values.items()}
+    return {name: _negative(value) if isinstance(value, Mapping) else -value for name, value in values.items()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,8 +155,16 @@ def _body(body: Any) -> Body:
     return Body(body.mass, force=force, position=-body.position, jumps=jumps, breaks=body.breaks, gravity=gravity)
 
 
-def _contact(contact: Any) -> Contact:
-    load = None if contact.load is None else lambda t, x: contact.normal(t, -x)
+def _contact(contact: Any, machine: Any) -> Contact:
+    count = arguments_of_load(contact.load) or 0
+    load: Any = None if contact.load is None else lambda t, x: contact.normal(t, -x)
+    if count > 2:
+        press = pressing(contact.load, count, partial(along, contact))
+
+        def load(t: Numeric, x: OfOwn, v: OfOwn, forces: InstantForces) -> Any:
+            there = forces.seen(machine.mechanics, _negative(x.others), _negative(v.others))
+            return press(t, _negative(x.others), _negative(v.others), there)
+
     return Contact(contact.body, mirrored_law(contact.friction), on=_on(contact.on), load=load, restitution=contact.restitution)
 
 

@@ -14,6 +14,7 @@ from stickslip.basics.maths import maximum, minimum, pi, where
 from stickslip.basics.quantities import DAMPING, LENGTH, MASS, STIFFNESS, Rule, at_least, between, holding, positive, quantity
 from stickslip.models.drives.drive_adapter import lacking
 from stickslip.models.drives.shifted import Shifted, within_one
+from stickslip.models.instant_forces import arguments_of_load
 from stickslip.models.links_in_time import lacks_motion, motion_of, takes_arguments
 
 
@@ -81,9 +82,14 @@ class Contact(Frozen):
         The opposing surface: the track if not given; the name of another body; the speed of a belt [m/s]; or a motion, which has
         `position(t)`, `velocity(t)` and `acceleration(t)` as every drive has.
     load : float or callable, optional
-        Normal force [N]: a number, or a function of time [s] and the position of the body [m]; of a contact with coefficients, their
-        sum with the positions, and there a load has to be given. Without it, the weight of the body where gravity is the machine's
-        `gravity`, or 9.81 m/s^2.
+        Normal force [N], never negative: a number, or a function of time [s]; of time and position of the body [m]; of these and of its
+        velocity [m/s]; or of these and the forces of the instant [N]: ``lambda t, x, v, forces: 1.0 + 0.1 * abs(forces["motor"])``. With
+        three or four arguments x and v are numbers of the body itself and give those of others by name, ``x["tail"]``. In `forces` stand
+        what is applied to each body by the body's name, named forces, controllers, ``"gravity"``, and the tensions of links and elastic
+        stops (`stickslip.models.instant_forces.InstantForces`); friction of the same instant does not. At rest the limit forwards is that
+        of the load of a body about to move forwards, and so backwards. Of a contact with coefficients
+        x and v are sums with the positions and velocities, and there a load has to be given. Without `load`, the weight of the body where
+        gravity is the machine's `gravity`, or 9.81 m/s^2.
     restitution : float, optional
         Coefficient of restitution, from 0 to below 1: the body takes off when the load falls to zero, and lands again. This must be its
         only contact, and not with another body. If not given, and under a law with inner states, a run ends when the load falls to zero.
@@ -113,8 +119,10 @@ class Contact(Frozen):
         return {name: g for name, g in self.body.items() if not (isinstance(g, (int, float)) and g == 0)}
 
     def normal(self, t: Numeric, x: Numeric) -> Any:
-        """Normal force [N]."""
-        return self.load(t, x) if callable(self.load) else self.load
+        """Normal force [N], of a load that is a number or a function of time and position."""
+        if not callable(self.load):
+            return self.load
+        return self.load(t) if arguments_of_load(self.load) == 1 else self.load(t, x)
 
 
 @dataclass(frozen=True, eq=False)

@@ -155,7 +155,7 @@ class Loop:
 
     def forces(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any], z: Sequence[Numeric]) -> Mapping[str, Any]:
         """Its torque [N m], on the side of the joint."""
-        return {self.driven: self.gear * (z[0] if self.sample is not None else self._torque(t, x, v, z[0]))}
+        return {self.driven: {"motor": self.gear * (z[0] if self.sample is not None else self._torque(t, x, v, z[0]))}}
 
     def _torque(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any], integral: Any) -> Any:
         rate = self._rate(t) - v[self.measured]

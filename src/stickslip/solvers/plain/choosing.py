@@ -134,11 +134,11 @@ def _reversed(e: Equations, t: float, y: ArrayLike, mode: ContactModes, i: int) 
 def _at_once(e: Equations, t: float, y: ArrayLike, mode: ContactModes, problem: _Problem, forced: dict[int, int]) -> Answer:
     """The problem of the accelerations."""
     push = e.motion(t, y, mode.moved(dict.fromkeys(problem.rows, 0))).push
-    loads = e.pressed(e.time(t), e.state(y)[0], mode)
+    loads = e.pressed(e.time(t), y, mode)
     limits = e.limits(loads)
     kinetic = [
-        [e.sliding(i, side, 0.0, loads[i] if i < e.k else 0.0) if i < e.k or side > 0 else limits[i][0] for i in problem.rows]
-        for side in (-1, 1)
+        [e.sliding(i, side, 0.0, pressed[i] if i < e.k else 0.0) if i < e.k or side > 0 else limits[i][0] for i in problem.rows]
+        for side, pressed in ((-1, loads.backwards), (1, loads.forwards))
     ]
     own = {n: forced[i] for n, i in enumerate(problem.rows) if i in forced}
     lo, hi = [limits[i][0] for i in problem.rows], [limits[i][1] for i in problem.rows]
@@ -184,7 +184,7 @@ def _by_derivatives(
     e: Equations, t: float, y: ArrayLike, mode: ContactModes, problem: _Problem, answer: Answer, forced: dict[int, int]
 ) -> dict[int, int]:
     """Contacts that rest exactly at a limit and leave it after all, with their sides."""
-    limits = e.limits(e.pressed(e.time(t), e.state(y)[0], mode))
+    limits = e.limits(e.pressed(e.time(t), y, mode))
     at = [_bound(force, *limits[i]) if side == 0 else None for i, force, side in zip(problem.rows, answer.R, answer.sides, strict=True)]
     own = [n for n, side in enumerate(answer.sides) if side == 0]
     if not any(at[n] for n in own):
@@ -221,7 +221,7 @@ def _ahead(e: Equations, t: float, y: Any, mode: ContactModes, rows: list[int]) 
     right = e.right(mode)
 
     def look(at: float, state: ArrayLike) -> Any:
-        limits = e.limits(e.pressed(e.time(at), e.state(state)[0], mode))
+        limits = e.limits(e.pressed(e.time(at), state, mode))
         push = e.motion(at, state, mode).push
         return np.array([[push[i], *limits[i]] for i in rows]).T.ravel()
 

@@ -36,7 +36,7 @@ def guards(e: Equations, t: float, y: Array, mode: ContactModes) -> list[Guard]:
         for i, side in enumerate(mode.sides[: e.k])
         if side
     ]  # fmt: skip
-    guards += [_of_load(e, y, mode, i, load) for i, load in enumerate(loads)]
+    guards += [_of_load(e, y, mode, i, load) for i, load in enumerate(e.least_loads(t, y, mode))]
     for i, load in enumerate(e.kept_positive(loads)):
         if e.laws[i].switching:
             guards += [Guard("switch", i, n, float(guard), 0.0) for n, (guard, _, _) in enumerate(e.switches(y, i, mode, w[i], load))]
@@ -54,14 +54,14 @@ def _of_load(e: Equations, y: ArrayLike, mode: ContactModes, i: int, load: float
     """Guards that end the touch of a contact, or its flight."""
     if i in mode.aloft:
         return Guard("landing", i, 0, e.z(y, i)[0], ROUNDING * 0.01 * e.scale_of_velocity * e.scale_of_time)
-    return Guard("take-off" if e.laws[i].flies else "load", i, 0, load, 0.0)
+    return Guard("take-off" if e.laws[i].flies else "load", i, 0, load + e.unpressed[i], 0.0)
 
 
 def _limits(e: Equations, t: float, y: ArrayLike, mode: ContactModes) -> list[Guard]:
     if 0 not in mode.sides:
         return []
     R = e.motion(t, y, mode).R
-    limits = e.limits(e.pressed(e.time(t), e.state(y)[0], mode))
+    limits = e.limits(e.pressed(e.time(t), y, mode))
     limit_guards: list[Guard] = []
     for group in e.groups(mode.sides):
         for row, side, margin, size in group.margins([R[i] for i in group.rows], limits):

@@ -114,7 +114,8 @@ class Run:
         self.counts, self.lost, self.interrupted = {"steps": 0, "evaluations": 0, "restarts": 0}, False, False
         self.recent = deque[tuple[float, tuple[int, ...]]]()
         equations.first_loads = equations.loads(0.0, self.y)
-        if any(load <= 0.0 for load, law in zip(equations.first_loads, equations.laws, strict=True) if not law.flies):
+        loads = zip(equations.first_loads, equations.laws, equations.unpressed, strict=True)
+        if any(load <= 0.0 and load + least <= 0.0 for load, law, least in loads if not law.flies):
             raise SolveError("the load is not positive at the start, so there is no contact; give a start or a drive with a positive load")
         self.y, self.mode = begun(equations, 0.0, self.y, self._memories(start[equations.size :]))
 
@@ -268,7 +269,7 @@ class Run:
     def _switch(self, i: int, k: int) -> None:
         """One switch of a law's memory."""
         e = self.equations
-        load = e.pressed(e.time(self.t), e.state(self.y)[0], self.mode)[i]
+        load = e.pressed(e.time(self.t), self.y, self.mode).on(self.mode.sides)[i]
         _, memory, z = e.switches(self.y, i, self.mode, self._slips()[i], load)[k]
         self._remember(i, memory, z)
 

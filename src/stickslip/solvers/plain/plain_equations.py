@@ -26,6 +26,7 @@ from stickslip.solvers.plain.resting import RestingGroup, group_of
 
 SHORT = 1e-8  # of a period: rebounds that end within it are one event
 _HELD = 1e-14  # of the velocity scale: what rounding makes of a velocity that a law without a state holds
+_UNPRESSED = 1e-12  # of the force that gives a mass the velocity scale in a period: a load that follows from forces may touch zero
 _ASIDE = 1e-13  # of a period: how far from a break the drive is asked, so that it answers from the right side of it
 
 Memory = tuple[int, ...]
@@ -57,6 +58,18 @@ class Rates:
     push: Floats  # rate of each slip, less what resting rows do to it
 
 
+@dataclass(frozen=True)
+class Pressed:
+    """Normal forces of all contacts, if they go forwards or are about to, and backwards [N]."""
+
+    forwards: Floats
+    backwards: Floats
+
+    def on(self, sides: Sequence[int]) -> Floats:
+        """Those of the sides on which contacts are; of one that rests the one forwards."""
+        return [b if side < 0 else a for a, b, side in zip(self.forwards, self.backwards, sides, strict=False)]
+
+
 class Equations:
     """The equations of a machine within one interval between known instants."""
 
@@ -76,12 +89,17 @@ class Equations:
         self.dynamic = [*(law.dynamic for law in self.laws), *(False for _ in self.stops)]
         self._count()
         self.cyclic = self.single and not knows_position(model)
+        self.unpressed = [
+            _UNPRESSED * self.masses[c or 0] * float(machine.velocity_scale) / float(machine.time_scale or 1.0) if of else 0.0
+            for c, of in zip(self.alone, mechanics.of_motion or [False] * len(self.laws), strict=False)
+        ]
         self.is_scaled = machine.time_scale is not None
         self.scale_of_time, self.scale_of_velocity = float(machine.time_scale or 1.0), float(machine.velocity_scale)
         self.least = [law.least_creep(self.scale_of_velocity, mechanics.difference(i)) for i, law in enumerate(self.laws)]
         self.no_reversal = [_HELD * self.scale_of_velocity if law.holds_velocity else 0.0 for law in self.laws]
         self.first, self.last, self.first_loads = -math.inf, math.inf, [0.0] * len(self.laws)
-        self.forces, self.pressing = Watching(self._moved), Watching(mechanics.loads)
+        self.of_motion = any(mechanics.of_motion)
+        self.forces, self.pressing = Watching(self._moved), Watching(self._pressed if self.of_motion else mechanics.loads)
         self.largest: tuple[dict[int, float], dict[int, float]] = ({}, {})  # difference that each condition has seen
         self.groups = lru_cache(maxsize=256)(self._groups)
 
@@ -169,25 +187,58 @@ class Equations:
 
     # ---- forces ----
     def loads(self, t: float, y: ArrayLike, mode: ContactModes | None = None) -> Floats:
-        """Normal forces [N]."""
-        return self.pressing(mode.kinks[1] if mode else (), self.time(t), self.state(y)[0])
+        """Normal forces [N], of a contact that slides that of its side."""
+        forwards, backwards = self._by_side(t, y, mode.kinks[1] if mode else ())
+        if not self.of_motion:
+            return forwards
+        sides = mode.sides if mode else [1 if w >= 0.0 else -1 for w in self.slips(t, self.state(y)[1])]
+        return [a if side >= 0 else b for a, b, side in zip(forwards, backwards, sides, strict=False)]
+
+    def least_loads(self, t: float, y: ArrayLike, mode: ContactModes) -> Floats:
+        """Normal forces [N], of a contact at rest the lesser one of its two sides."""
+        forwards, backwards = self._by_side(t, y, mode.kinks[1])
+        if not self.of_motion:
+            return forwards
+        return [min(a, b) if side == 0 else a if side > 0 else b for a, b, side in zip(forwards, backwards, mode.sides, strict=False)]
+
+    def _by_side(self, t: float, y: ArrayLike, kinks: Sides) -> tuple[Floats, Floats]:
+        """Loads of contacts that slide forwards, or are about to, and backwards; the same twice where no load depends on the motion."""
+        q, u = self.state(y)
+        if not self.of_motion:
+            loads = self.pressing(kinks, self.time(t), q)
+            return loads, loads
+        both = self.pressing(kinks, self.time(t), q, u, self.controlled(y))
+        return both[: self.k], both[self.k :]
+
+    def _pressed(self, t: float, q: Any, u: Any, z: Any) -> list[Any]:
+        """Loads of all contacts with their slips held forwards, then backwards."""
+        loads = []
+        for side in (1, -1):
+            for i, w in enumerate(self.mechanics.slips(t, [float(v) for v in u])):
+                c, moving = self.alone[i], [*u]
+                if c is not None and not self.dynamic[i] and side * float(w) <= TINY:
+                    moving[c] = u[c] + (side * TINY - float(w)) / self.rows[i][c]
+                loads.append(self.mechanics.load(i, t, q, moving, z))
+        return loads
 
     def _moved(self, t: float, q: Any, u: Any, R: Any, z: Any) -> list[Any]:
         """Accelerations of the coordinates, and rates of what controllers hold."""
         m = self.mechanics
         return [*m.accelerations(t, q, u, R, z), *(m.control_rates(t, q, u, z) if m.controllers.count else ())]
 
-    def pressed(self, t: float, q: Floats, mode: ContactModes) -> Floats:
-        """Normal forces, positive also a moment after a contact is lost: a step looks beyond its end."""
-        return self.kept_positive(self.pressing(mode.kinks[1], t, q))
+    def pressed(self, t: float, y: ArrayLike, mode: ContactModes) -> Pressed:
+        """Normal forces on contacts that go forwards, and backwards; positive also a moment after a contact is lost, for steps look on."""
+        forwards, backwards = self._by_side(t, y, mode.kinks[1])
+        return Pressed(self.kept_positive(forwards), self.kept_positive(backwards))
 
     def kept_positive(self, loads: Floats) -> Floats:
         """Loads that are not less than next to nothing."""
         return [max(load, 1e-12 * first, TINY) for load, first in zip(loads, self.first_loads, strict=True)]
 
-    def limits(self, loads: Floats) -> list[tuple[float, float]]:
+    def limits(self, loads: Pressed) -> list[tuple[float, float]]:
         """Static friction limits in each row [N]; a contact under a dynamic law never rests."""
-        own = [(0.0, 0.0) if law.dynamic else _floats(law.breakaway(load)) for law, load in zip(self.laws, loads, strict=True)]
+        sides = list(zip(self.laws, loads.forwards, loads.backwards, strict=True))
+        own = [(0.0, 0.0) if law.dynamic else (float(law.breakaway(b)[0]), float(law.breakaway(a)[1])) for law, a, b in sides]
         return [*own, *((-math.inf, 0.0) for _ in self.stops)]
 
     def sliding(self, i: int, side: int, w: float, load: float) -> float:
@@ -199,8 +250,8 @@ class Equations:
         t = self.time(t)
         q, u = self.state(y)
         u = self.settled(t, u, mode)
-        w, loads = [*map(float, self.mechanics.slips(t, u))], self.pressed(t, q, mode)
-        R, inner = self._friction(t, q, u, y, w, loads, mode)
+        w, loads = [*map(float, self.mechanics.slips(t, u))], self.pressed(t, [*q, *u, *y[2 * self.n :]], mode)
+        R, inner = self._friction(t, q, u, y, w, loads.on(mode.sides), mode)
         rates_of_all = self.forces(mode.kinks[0], t, q, u, R, self.controlled(y))
         a, inner = rates_of_all[: self.n], [*inner, *rates_of_all[self.n :]]
         R, rates = [*R, *(0.0 for _ in self.stops)], self.offset_rates(t)
@@ -253,7 +304,7 @@ class Equations:
         """Rates of a contact's gap and of that rate."""
         if i not in mode.aloft:
             return 0.0, 0.0
-        load = self.pressing(mode.kinks[1], t, q)[i]
+        load = self._by_side(t, y, mode.kinks[1])[0][i]
         return self.z(y, i)[1], -load / self.masses[self.alone[i] or 0]
 
     def _applied(self, t: float, without: Floats) -> dict[int, float]:
@@ -313,13 +364,15 @@ class Equations:
 
     def passed_zero(self, t: float, y: ArrayLike, i: int, mode: ContactModes) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
         """Inner states and memory after the switches that wait for the slip velocity to pass zero."""
-        load = self.pressed(self.time(t), self.state(y)[0], mode)[i]
+        load = self.pressed(self.time(t), y, mode).on(mode.sides)[i]
         return self.laws[i].passed_zero(self.z(y, i), load, mode.memory[i], mode.sides[i] or 1)
 
     def differences(self, t: float, y: Any, kinks: tuple[Sides | None, Sides | None]) -> tuple[Floats, Floats]:
         """The differences that the conditions of forces and loads compare."""
         t, (q, u) = self.time(t), self.state(y)
-        return self.forces.differences(kinks[0], t, q, u, [0.0] * self.k, self.controlled(y)), self.pressing.differences(kinks[1], t, q)
+        asked = (q, u, self.controlled(y)) if self.of_motion else (q,)
+        of_forces = self.forces.differences(kinks[0], t, q, u, [0.0] * self.k, self.controlled(y))
+        return of_forces, self.pressing.differences(kinks[1], t, *asked)
 
     def output(self, t: float, y: Array, mode: ContactModes) -> Floats:
         """The states of the dense output: velocities of the coordinates, inner states, and positions where they are known."""
@@ -343,7 +396,3 @@ def _dot(a: Sequence[float], b: Sequence[float]) -> float:
         if x:
             total += x * y
     return total
-
-
-def _floats(pair: Any) -> tuple[float, float]:
-    return float(pair[0]), float(pair[1])

@@ -117,7 +117,7 @@ class _Step:
 
         if self.guards(low)[k] <= 0:
             return low
-        return float(brentq(lambda t: self.guards(t)[k], low, high, xtol=1e-300, rtol=1e-15))
+        return float(brentq(lambda t: self.guards(t)[k], low, high, xtol=1e-300, rtol=1e-15, maxiter=2000))
 
     def _dip(self, k: int, times: Array, g: Any, end: float, noise: float) -> float | None:
         """The zero of a guard that is below zero only between two looks; the looks beside the step serve for its ends."""
