@@ -292,3 +292,16 @@ def test_axe_finds_nothing_and_nothing_sticks_out(browser, explorer, scheme, wid
     found = page.evaluate("axe.run(document, {resultTypes: ['violations']})")
     assert [(v["id"], v["nodes"][0]["html"]) for v in found["violations"]] == []
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_a_joint_is_shown_in_its_own_quantities(browser):
+    """A dial with a hand for the angle and one for the target, error and torque; nothing in metres."""
+    made = Explorer("servo")
+    with contextlib.closing(made):
+        page = opened(browser, made)
+        assert page.locator(".stage .hand, .stage .wanted").count() == 2
+        shown = page.locator("#now").inner_text()
+        assert re.search(r"error at the end\s+0\.02834 rad\b", shown) and re.search(r"largest torque applied\s+0\.5 N m\b", shown)
+        assert "m/s" not in shown.replace("rad/s", "") and "track" not in shown
+        rows = page.locator(".live .row > span").evaluate_all("all => all.map(el => el.firstChild?.textContent)")
+        assert rows[:4] == ["angle", "error", "torque", "velocity"]

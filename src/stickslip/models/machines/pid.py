@@ -138,6 +138,11 @@ class Loop:
         """Their typical sizes."""
         return (self.torque,) if self.sample is None else (self.torque, self.torque, self.angle)
 
+    def target_at(self, t: Numeric) -> Mapping[str, Any]:
+        """The wanted angle of the body that it sees [rad]."""
+        target: Any = self.pid.target
+        return {self.measured: target.position(self._time(t)) if is_record(target) else target}
+
     def start(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any]) -> tuple[Any, ...]:
         """The states when it is switched on; the first sample is taken at once."""
         if self.sample is None:
@@ -167,9 +172,7 @@ class Loop:
         return pid.kp * error + total + pid.kd * ((error - last) / pid.sample) + self._against_friction(t, {}), total, error
 
     def _error(self, t: Numeric, x: Mapping[str, Any]) -> Any:
-        target: Any = self.pid.target
-        wanted = target.position(self._time(t)) if is_record(target) else target
-        return wanted - x[self.measured]
+        return self.target_at(t)[self.measured] - x[self.measured]
 
     def _rate(self, t: Numeric) -> Any:
         target: Any = self.pid.target

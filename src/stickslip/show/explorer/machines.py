@@ -11,6 +11,7 @@ from typing import Any
 from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.basics.fields import field_description, leaves
 from stickslip.basics.quantities import symbol_text
+from stickslip.basics.variables import unit_of
 from stickslip.models.machine_adapter import is_machine, machine_of
 from stickslip.show.explorer.effort import RTOL, affordable
 from stickslip.show.explorer.sliders import Parameter
@@ -73,6 +74,11 @@ class Shown:
     def numbers(self) -> dict[str, Parameter]:
         """The numbers with sliders, by dotted names."""
         return {p.name: p for p in sliders_of(self.model)}
+
+    @property
+    def turns(self) -> bool:
+        """Whether it turns about an axis."""
+        return unit_of("x", self.model) == "rad"
 
     @property
     def groups(self) -> dict[str, list[Parameter]]:
@@ -189,6 +195,7 @@ def picture(shown: Shown, fine: bool, model: Any, progress: Callable[[int, int],
 
     run = _solved(shown, model, fine, progress, first)
     data: dict[str, Any] = {"kind": "machine", "fine": fine, "picture": moments(run), "status": run.status}
+    data["speeds"] = unit_of("v", run.model)
     data["mean_velocity"] = {name: mean_of(run, name) for name in run.bodies}
     if fine:
         data |= {"facts": facts(run), "tables": tables(run), "notes": [*shown.notes, *run.notes]}

@@ -28,8 +28,10 @@ def facts(run: Trajectory) -> list[tuple[str, str]]:
 
 
 def millimetres(*velocities: float, model: Any = None) -> str:
-    """Velocities [m/s] in mm/s (mrad/s for a machine about an axis); two are written as a range."""
-    return " to ".join(f"{1e3 * v:.6g}" for v in velocities).replace("-", "−") + f" m{unit_of('v', model)}"
+    """Velocities [m/s] in mm/s ([rad/s] in rad/s for a machine about an axis); two are written as a range."""
+    unit = unit_of("v", model)
+    factor, letter = (1.0, "") if unit == "rad/s" else (1e3, "m")
+    return " to ".join(f"{factor * v:.6g}" for v in velocities).replace("-", "−") + f" {letter}{unit}"
 
 
 def joules(work: float) -> str:

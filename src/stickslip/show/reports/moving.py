@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.variables import unit_of
 from stickslip.models.machine_adapter import machine_of
+from stickslip.show.reports.servo_traces import targets_at, traces, turns
 
 if TYPE_CHECKING:
     from stickslip.results.trajectory import Trajectory
@@ -34,7 +35,8 @@ def moments(run: Trajectory, span: tuple[float, float] | None = None) -> dict[st
         left to right, level above it), displacement x [mm] and velocity v [mm/s] (None for an inner mass), and lift, the height of the
         body above its track [mm] (None if it cannot leave it); rows with the name of a contact or stop, its stretches (from, to, sign;
         sign 2 is a stop in contact, 3 flight) and hits, or landings; links, pairs of bodies with a flag for elastic ones; lengths and
-        speeds, the units of x and v, which are mrad and mrad/s for rotation about an axis.
+        speeds, the units of x and v. A machine that turns about an axis has x as an angle [rad] and v in rad/s, the
+        angles that its controllers want by body (targets), and traces with name, unit and curves: angle, error, torque.
     """
     import numpy as np
 
@@ -45,9 +47,12 @@ def moments(run: Trajectory, span: tuple[float, float] | None = None) -> dict[st
     return {
         "t": _plain(factor * (at["t"] - start)),
         "unit": unit,
-        "lengths": f"m{unit_of('x', run.model)}",
-        "speeds": f"m{unit_of('v', run.model)}",
-        "bodies": [_body(part, x, v, at) | {"lift": lifts.get(part["name"])} for part, x, v in _columns(run, at)],
+        "lengths": f"{'' if turns(run) else 'm'}{unit_of('x', run.model)}",
+        "speeds": f"{'' if turns(run) else 'm'}{unit_of('v', run.model)}",
+        "turns": turns(run),
+        "targets": {name: _plain(x) for name, x in targets_at(run, at["t"]).items()} if turns(run) else {},
+        "traces": [trace | {"curves": [[name, _plain(y)] for name, y in trace["curves"]]} for trace in traces(run, at["t"])],
+        "bodies": [_body(part, x, v, at, turns(run)) | {"lift": lifts.get(part["name"])} for part, x, v in _columns(run, at)],
         "rows": _rows(run, start, end, factor),
         "links": _links(run.model),
     }
@@ -130,7 +135,9 @@ def _columns(run: Trajectory, at: dict[str, Any]) -> Iterator[tuple[dict[str, An
         yield part, at["x"][:, 0] + drive.position(at["t"]), None
 
 
-def _body(part: dict[str, Any], x: Array, v: Any, at: dict[str, Any]) -> dict[str, Any]:
+def _body(part: dict[str, Any], x: Array, v: Any, at: dict[str, Any], is_angle: bool) -> dict[str, Any]:
+    if is_angle:
+        return {**part, "x": _plain(x), "v": _plain(v)}
     first = at["x"][0, 0] if v is None else x[0]
     return {**part, "x": _plain(1e3 * (x - first)), "v": None if v is None else _plain(1e3 * v)}
 

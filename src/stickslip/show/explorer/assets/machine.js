@@ -2,7 +2,7 @@
 import * as faster from "./faster.js";
 import { Link } from "./link.js";
 import { $, connection, copies, exports, leftOut, say, themed } from "./tools.js";
-import { capital, shown, typedNumber, velocity } from "./words.js";
+import { capital, digits, shown, typedNumber, velocity } from "./words.js";
 
 const RESTS = 140; // [ms] without a change: the slider rests
 const data = JSON.parse($("data").textContent), parameters = data.parameters;
@@ -48,7 +48,8 @@ function take({ header }) {
   else say(header.status === "finished" ? "" : header.status);
   if (!header.picture) return;
   show ? show(header.picture) : (show = moving($("moving"), header.picture)); // eslint-disable-line no-undef
-  means(header.mean_velocity);
+  means(header.mean_velocity, header.speeds);
+  servo(header.picture);
   if (header.fine) numbers(header);
   document.documentElement.dataset.drawn = `${header.id}${header.fine && !header.waits ? " fine" : ""}`;
 }
@@ -60,14 +61,24 @@ function line(cells, head = false) {
   return row;
 }
 
+// The last error and the largest torque of a machine that turns.
+function servo(picture) {
+  const last = picture.traces.find((trace) => trace.name === "error")?.curves ?? [], torque = picture.traces.find((trace) => trace.name === "torque")?.curves[0];
+  const most = torque && Math.max(...torque[1].map(Math.abs));
+  const tiles = [...last.map(([name, y]) => [`error at the end${last.length > 1 ? ` of ${name}` : ""}`, `${digits(y.at(-1))} rad`]), ...(torque ? [["largest torque applied", `${digits(most)} N m`]] : [])];
+  $("means").prepend(...tiles.map(([name, text]) => tile(name, text)));
+}
+
+function tile(name, text) {
+  const box = Object.assign(document.createElement("div"), { className: "chief" });
+  box.append(cell("dt", name), cell("dd", text));
+  return box;
+}
+
 // Mean velocities: bodies that stay together have one.
-function means(found) {
-  const texts = Object.entries(found).map(([name, v]) => [name, velocity(v)]), one = new Set(texts.map(([, text]) => text)).size === 1;
-  $("means").replaceChildren(...(one ? [["mean velocity", texts[0][1]]] : texts.map(([name, text]) => [`mean velocity of ${name}`, text])).map(([name, text]) => {
-    const box = Object.assign(document.createElement("div"), { className: "chief" });
-    box.append(cell("dt", name), cell("dd", text));
-    return box;
-  }));
+function means(found, unit) {
+  const texts = Object.entries(found).map(([name, v]) => [name, unit === "m/s" ? velocity(v) : `${digits(Math.abs(v) < 1e-12 ? 0 : v)} ${unit}`]), one = new Set(texts.map(([, text]) => text)).size === 1;
+  $("means").replaceChildren(...(one ? [["mean velocity", texts[0][1]]] : texts.map(([name, text]) => [`mean velocity of ${name}`, text])).map(([name, text]) => tile(name, text)));
 }
 
 function numbers({ facts, tables, notes }) {

@@ -25,8 +25,37 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
   const colour = (i) => `var(--c${i % 5})`;
   const dash = (i) => ["", "7 3", "2 3", "8 3 2 3", "4 4"][i % 5];
 
+  // ---- a dial for each body that turns: its hand hangs down at the angle 0, and the dashed hand is where it is wanted ----
+  function dials() {
+    const slot = W / m.bodies.length, r = 58, y = 72;
+    stage.setAttribute("viewBox", `0 0 ${W} ${2 * y}`);
+    stage.setAttribute("aria-label", `angle of ${m.bodies.map((b) => b.name).join(", ")}`);
+    stage.replaceChildren();
+    const hand = (x, kind) => make("line", { x1: x, x2: x, y1: y, y2: y + r - 6, class: kind }, stage);
+    shapes = m.bodies.flatMap((b, i) => {
+      const x = slot * (i + 0.5), turned = (angle) => `rotate(${(-angle * 180) / Math.PI} ${x} ${y})`;
+      make("circle", { cx: x, cy: y, r, class: "dial" }, stage);
+      for (let k = 0; k < 12; k++) make("line", { x1: x, x2: x, y1: y + r - 4, y2: y + r, class: "ink", transform: `rotate(${30 * k} ${x} ${y})` }, stage);
+      const shape = hand(x, "hand"), wanted = m.targets[b.name] && hand(x, "wanted");
+      shape.style.stroke = colour(i);
+      make("circle", { cx: x, cy: y, r: 4, class: "hub" }, stage);
+      return [{ nodes: [shape], move: (k) => turned(b.x[k]) }, ...(wanted ? [{ nodes: [wanted], move: (k) => turned(m.targets[b.name][k]) }] : [])];
+    });
+    shapes.springs = [];
+    const wanted = Object.keys(m.targets).length ? "; dashed: the target" : "";
+    names.replaceChildren(...m.bodies.map((b, i) => keyed(b.name, colour(i), dash(i))), el("li", "soft", `hands: angles, 0 is down${wanted}`));
+  }
+
+  function keyed(text, stroke, dashes) {
+    const item = el("li"), swatch = make("svg", { viewBox: "0 0 26 10", "aria-hidden": "true" });
+    make("line", { x1: 0, x2: 26, y1: 5, y2: 5, "stroke-width": 3, "stroke-dasharray": dashes }, swatch).style.stroke = stroke;
+    item.append(swatch, text);
+    return item;
+  }
+
   // ---- the bodies on their track ----
   function draw() {
+    if (m.turns) return dials();
     const slots = Math.max(...m.bodies.map((b) => b.place[0])) + 1, storeys = Math.max(...m.bodies.map((b) => b.place[1]));
     const slot = W / slots, most = Math.min(180, 0.6 * slot), heaviest = Math.max(...m.bodies.map((b) => b.mass));
     const wide = (b) => Math.max(most * Math.sqrt(b.mass / heaviest), 22), high = (b) => (wide(b) * 46) / most;
@@ -45,7 +74,7 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
       const name = make("text", { y: mid(b) }, stage);
       name.textContent = b.name;
       if (name.getComputedTextLength() > wide(b) - 6 || name.getBBox().height > high(b)) name.remove(); // the list below has every name
-      return { shape, name, at: (k) => home(b) + zoom * b.x[k], lift: (k) => (b.lift ? zoom * b.lift[k] : 0), half: 0.5 * wide(b), up: 0.5 * high(b), y: mid(b), storey: b.place[1] };
+      return { nodes: [shape, name], move: (k) => `translate(${home(b) + zoom * b.x[k]} ${b.lift ? -zoom * b.lift[k] : 0})`, at: (k) => home(b) + zoom * b.x[k], lift: (k) => (b.lift ? zoom * b.lift[k] : 0), half: 0.5 * wide(b), up: 0.5 * high(b), y: mid(b), storey: b.place[1] };
     });
     shapes.springs = m.links.map(([a, b, gives]) => [a, b, gives, make("polyline", { class: "spring" }, stage)]);
     const one = zoom > 0 ? 10 ** Math.floor(Math.log10(120 / zoom)) : 1;
@@ -67,8 +96,26 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
     return svg;
   }
 
+  // A trace of its own: angle, error, torque.
+  function trace({ name, unit, curves }) {
+    const tall = 110, all = curves.flatMap(([, y]) => y), low = Math.min(0, ...all), high = Math.max(0, ...all), level = (y) => 6 + ((tall - 12) * (high - y)) / (high - low || 1);
+    const svg = row(name, tall, "velocity trace-of-own"), list = el("ul", "names");
+    svg.setAttribute("aria-label", `${name}: ${curves.map(([which, y]) => `${which}, ${told(Math.min(...y), 3)} to ${told(Math.max(...y), 3)} ${unit}`).join("; ")}`);
+    svg.previousSibling.append(el("small", "", `${told(high, 3)} ${unit}`), el("small", "", told(low, 3)));
+    make("line", { x1: 0, x2: W, y1: level(0), y2: level(0), class: "faint" }, svg);
+    curves.forEach(([which, y], i) => {
+      const curve = make("polyline", { points: y.map((value, k) => `${across(m.t[k]).toFixed(1)},${level(value).toFixed(1)}`).join(" "), class: "trace", "stroke-dasharray": dash(i) }, svg);
+      curve.style.stroke = colour(i);
+      if (curves.length > 1) list.append(keyed(which, colour(i), dash(i)));
+    });
+    if (curves.length > 1) lines.append(list);
+    cursors.push(make("line", { y1: 0, y2: tall, class: "cursor" }, svg));
+  }
+
   function graphs() {
     lines.replaceChildren();
+    cursors = [];
+    (m.traces ?? []).forEach(trace);
     const moved = m.bodies.filter((b) => b.v), all = moved.flatMap((b) => b.v), size = TALL - 16;
     const [low, high] = [Math.min(0, ...all), Math.max(0, ...all)].map((v, _, ends) => zeroed(v, ends[1] - ends[0]));
     up = (v) => 8 + (size * (high - v)) / (high - low || 1);
@@ -81,7 +128,7 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
       const curve = make("polyline", { points: b.v.map((v, k) => `${across(m.t[k]).toFixed(1)},${up(v).toFixed(1)}`).join(" "), class: "trace", "stroke-dasharray": dash(i) }, svg);
       curve.style.stroke = colour(i);
     }
-    cursors = [make("line", { y1: 0, y2: TALL, class: "cursor" }, svg)];
+    cursors.push(make("line", { y1: 0, y2: TALL, class: "cursor" }, svg));
     for (const r of m.rows) {
       const bars = row(r.name, 20, "bars"), share = (sign) => r.stretches.filter((s) => s[2] === sign).reduce((sum, [a, b]) => sum + b - a, 0) / m.t[n - 1];
       const words = [[1, "forwards"], [-1, "backwards"], [0, "sticks"], [2, "pressed"], [3, "in flight"]].filter(([sign]) => share(sign) > 0).map(([sign, word]) => `${word} ${(100 * share(sign)).toFixed(0)} %`);
@@ -127,10 +174,11 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
   }
 
   function at(k) {
-    for (const s of shapes) for (const node of [s.shape, s.name]) node.setAttribute("transform", `translate(${s.at(k)} ${-s.lift(k)})`);
+    for (const s of shapes) for (const node of s.nodes) node.setAttribute("transform", s.move(k));
     shapes.springs.forEach(spring);
     for (const c of cursors) for (const end of ["x1", "x2"]) c.setAttribute(end, across(m.t[k]));
-    out.textContent = `t = ${told(m.t[k])} ${m.unit}; v = ${m.bodies.filter((b) => b.v).map((b) => told(zeroed(b.v[k], Math.max(...b.v.map(Math.abs))))).join(", ")} ${m.speeds}`;
+    const angles = m.turns ? ` ${m.bodies.map((b) => `${b.name} ${told(b.x[k])}`).join(", ")} ${m.lengths};` : "";
+    out.textContent = `t = ${told(m.t[k])} ${m.unit};${angles} v = ${m.bodies.filter((b) => b.v).map((b) => told(zeroed(b.v[k], Math.max(...b.v.map(Math.abs))))).join(", ")} ${m.speeds}`;
     when.setAttribute("aria-valuetext", out.textContent);
   }
 
