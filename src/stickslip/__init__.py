@@ -29,6 +29,8 @@ def __getattr__(name: str) -> object:
 
 def _elsewhere(name: str) -> object:
     """What a name that is not listed stands for in a package, such as ``ss.GMS``; an error says what else to type."""
+    if name in _UNLISTED:
+        return getattr(importlib.import_module(f"{__name__}.{_UNLISTED[name]}"), name)
     if name not in _CALLED and (place := from_a_package(name)):
         return place[1]
     raise AttributeError(f"stickslip has no {name!r}; {_instead(name)}")
@@ -49,10 +51,14 @@ def _instead(name: str) -> str:
 
 #: Classes that functions return and nobody makes, and where they are.
 _IN_MODULES = {
+    "ExportedFMU": "show.export",
     "ExportedLaw": "show.export",
     "LogFit": "inverse.logs",
     "Simulation": "solvers.simulation",
 }
+
+#: Functions of packages without a short name that can be typed at the top, where they are not listed.
+_UNLISTED = {"export_fmu": "show.export"}
 
 #: Names that other packages use for some of our functions.
 _CALLED = {

@@ -271,6 +271,7 @@ def test_classes_that_live_in_their_modules_are_there():
 
     assert all(getattr(importlib.import_module(f"stickslip.{place}"), name) for name, place in ss._IN_MODULES.items())
     assert ss.optimize is ss.optimise
+    assert all(getattr(ss, name) is getattr(importlib.import_module(f"stickslip.{place}"), name) for name, place in ss._UNLISTED.items())
     assert ss.GMS is ss.friction.GMS and ss.merge is ss.studies.merge and ss.Atlas is ss.dynamics.Atlas  # typed at the top, but not listed
 
 

@@ -50,11 +50,16 @@ _LISTS = ("SIDES", "KINDS", "STATE_OF", "BODY_MOVES", "BODY_SIGNAL", "LOOKED_AT"
 
 def table(module: Any, layout: dict[str, int], scale_at: tuple[int, ...], lists: tuple[tuple[int, ...], ...]) -> Any:
     """The whole numbers by which the driver finds its way in a law's kernel: layout, addresses, places of lists, scales, lists."""
-    import numpy as np
-
     units = [module, *([_landing(layout["LANES"])] if layout["SERIES"] else ())]
     units += [_apart(name) for name, needed in (("parts", layout["SIGNALS"]), ("changes", layout["CARRIED"])) if needed]
     where = dict.fromkeys(FUNCTIONS, 0) | {name: _address(unit.addressed, name) for unit in units for name in unit.KINDS}
+    return table_of(where, layout, scale_at, lists)
+
+
+def table_of(where: dict[str, int], layout: dict[str, int], scale_at: tuple[int, ...], lists: tuple[tuple[int, ...], ...]) -> Any:
+    """The table of a kernel whose functions are at these addresses; 0 is that of none."""
+    import numpy as np
+
     head = [*(layout[name] for name in _COLUMNS), *where.values()]
     first = len(head) + len(_LISTS) + len(scale_at)
     begins = [first + sum(map(len, lists[:k])) for k in range(len(_LISTS))]
@@ -88,9 +93,22 @@ _BEHIND = {"advance": (), "advance_pooled": ("pooling",), "advance_to": ("advanc
 def load(name: str = "advance") -> Any:
     """The compiled driver, `advance`; or that for more cases than lanes, `advance_pooled`, or for one that is held, `advance_to`."""
     texts = ("columns", "flags", "noting_segments", "watching", "driving_lanes", *_BEHIND[name])
-    constants = [cache.SHORT_LOOPS, *_LOOKS, status_text(), recurrence_text()]
+    constants = [cache.SHORT_LOOPS, *_shared_constants()]
     text = source("the driver of all kernels", {name: "int64(f1, int64, int64, i1)"}, constants, texts, written)
     return getattr(cache.load(text, f"driver_{name}", "what all kernels share"), name)
+
+
+def _shared_constants() -> list[str]:
+    return [*_LOOKS, status_text(), recurrence_text()]
+
+
+def plain_texts() -> dict[str, str]:
+    """The Python text of the driver of one held case of which nothing is noted, and of where its Taylor steps end."""
+    texts = map(kernel_text, ("columns", "flags", "driving_lanes", "advancing", "alone"))
+    return {
+        "driver": "\n".join([*_places(), *_shared_constants(), *texts]),
+        "landing": "\n".join([*_places(), _of_landing(1), *map(kernel_text, ("polynomials", "arcs"))]),
+    }
 
 
 @lru_cache
@@ -105,9 +123,13 @@ def _apart(name: str) -> Any:
 @lru_cache
 def _landing(lanes: int) -> Any:
     """Where Taylor steps end; compiled for a number of lanes, because it is most of their work."""
-    constants = [f"ORDER, L, STRIDE, POINTS = {ORDER}, {lanes}, {lanes}, {POINTS}"]
     label = f"what all Taylor kernels share ({'one case' if lanes == 1 else 'many cases'})"
-    return cache.load(source("where Taylor steps end", ("land",), constants, ("polynomials", "arcs"), addressed), f"arcs_{lanes}", label)
+    text = source("where Taylor steps end", ("land",), [_of_landing(lanes)], ("polynomials", "arcs"), addressed)
+    return cache.load(text, f"arcs_{lanes}", label)
+
+
+def _of_landing(lanes: int) -> str:
+    return f"ORDER, L, STRIDE, POINTS = {ORDER}, {lanes}, {lanes}, {POINTS}"
 
 
 def source(label: str, functions: Any, constants: list[str], texts: tuple[str, ...], made: Callable[[Any, str, str], str]) -> str:

@@ -154,7 +154,7 @@ def kernel_of(
 
 def kernel(eq: System, tableau: Tableau | Series | None, label: str, record: bool) -> Kernel:
     """The compiled kernel of a traced model: eight lanes twice, or one lane that keeps its dense output."""
-    step = _step_of(eq, tableau, record)
+    step = step_of(eq, tableau, record)
     method = "Taylor" if tableau is None else tableau.name
     lanes = 1 if record else LANES
     source = _source(eq, step, lanes, f"{label}, {method}")
@@ -164,7 +164,7 @@ def kernel(eq: System, tableau: Tableau | Series | None, label: str, record: boo
     )
     return Kernel(
         module,
-        driver.table(module, *_layout(eq, step, lanes), lists_of(eq, watched(eq, step))),
+        driver.table(module, *layout(eq, step, lanes), lists_of(eq, watched(eq, step))),
         lanes,
         len(step.fields) + len(_constants(eq, step)),
         eq.states,
@@ -174,7 +174,7 @@ def kernel(eq: System, tableau: Tableau | Series | None, label: str, record: boo
         eq.memories,
         eq.sides,
         tuple(next((i for i, c in enumerate(eq.contacts) if c.state == j), None) for j in range(eq.coordinates)),
-        _states_of(eq),
+        states_of(eq),
         tuple(j for _, j in eq.bodies) if eq.signals else (),
         {name: i for i, signal in enumerate(eq.signals) for name in signal.names},
         has_arms(eq),
@@ -185,7 +185,7 @@ def kernel(eq: System, tableau: Tableau | Series | None, label: str, record: boo
     )
 
 
-def _step_of(eq: System, method: Tableau | Series | None, record: bool) -> Step:
+def step_of(eq: System, method: Tableau | Series | None, record: bool) -> Step:
     """The written step of a method."""
     if method is None:
         return taylor.write_step(eq)
@@ -223,10 +223,10 @@ def _arranged(model: Model) -> tuple[StateLayout, tuple[int, ...]]:
 def _arrangement(eq: System) -> tuple[StateLayout, tuple[int, ...]]:
     nodes, first = (*eq.f[: eq.positions.start], *eq.guards, *eq.sampled.values()), int(eq.cyclic)
     varied = frozenset[str]().union(*map(eq.graph.varies, nodes))
-    return _states_of(eq), tuple(first + k for k, i in enumerate(eq.positions) if eq.y[i].name in varied)
+    return states_of(eq), tuple(first + k for k, i in enumerate(eq.positions) if eq.y[i].name in varied)
 
 
-def _states_of(eq: System) -> StateLayout:
+def states_of(eq: System) -> StateLayout:
     """Which states are of which body and contact."""
     first = eq.positions.start - (1 if eq.cyclic else 0)  # of the positions, as if the first coordinate had one too
     places = [None if j == 0 and eq.cyclic else first + j for j in range(eq.coordinates)]
@@ -265,7 +265,7 @@ def _constants(eq: System, step: Step) -> list[Any]:
     return [*step.case_nodes, *own, *scales, *eq.sampling, *eq.shares, *late, *instants, *jumps]
 
 
-def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[int, ...]]:
+def layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[int, ...]]:
     """The numbers by which the driver finds its way; a field that this kind of step has not is at -1. Then each state's scale."""
     offsets = {name: i * lanes for i, name in enumerate(step.fields)}
     first = len(step.case_nodes)
@@ -312,11 +312,26 @@ def _rows_of(letter: str, fields: Iterable[str]) -> int:
 
 def _source(eq: System, step: Step, lanes: int, label: str) -> str:
     """The law's part of a kernel: the functions that the driver calls (`FUNCTIONS` in ``kernel_text.py``)."""
-    offsets = {name: i * lanes for i, name in enumerate(step.fields)}
-    named, _ = _layout(eq, step, lanes)
     width = min(lanes, WIDTH)
     group = lanes if len(eq.contacts) == 1 else width  # several contacts hide each other's latency, in half the text
-    known = f"L = {lanes}\n"
+    functions, text = law_text(eq, step, lanes)
+    lines = step_text(step, places(eq, step, lanes, group, width))
+    return "\n\n".join([header(f"{label}, {lanes} lanes"), _known(lanes), lines, addressed([*functions, "step"], text, '{"step": step}')])
+
+
+def _known(lanes: int) -> str:
+    return f"L = {lanes}\n"
+
+
+def places(eq: System, step: Step, lanes: int, group: int, width: int) -> Layout:
+    """Where a step's lines have what they read and write."""
+    offsets = {name: i * lanes for i, name in enumerate(step.fields)}
+    return Layout(lanes, group, width, offsets, layout(eq, step, lanes)[0]["F_C"])
+
+
+def law_text(eq: System, step: Step, lanes: int) -> tuple[tuple[str, ...], str]:
+    """The names of a law's own functions, and their text."""
+    named, _ = layout(eq, step, lanes)
     functions = {"prelude": prelude(eq, _constants(eq, step)), "look": looks(eq), "work": work(eq, step.degree)}
     if not eq.stiff:
         functions["switched"] = taylor.switches(eq, step, lanes)
@@ -324,9 +339,7 @@ def _source(eq: System, step: Step, lanes: int, label: str) -> str:
         functions |= {"slopes": slopes(eq, step, lanes)} if hides(eq) else {}
     if eq.signals:
         functions["signals"] = signals_text(eq, watched(eq, step))
-    text = "\n".join([known, *(f"{name} = {named[name]}" for name in _NAMED), *functions.values()])
-    lines = step_text(step, Layout(lanes, group, width, offsets, named["F_C"]))
-    return "\n\n".join([header(f"{label}, {lanes} lanes"), known, lines, addressed([*functions, "step"], text, '{"step": step}')])
+    return tuple(functions), "\n".join([_known(lanes), *(f"{name} = {named[name]}" for name in _NAMED), *functions.values()])
 
 
 def _aligned(count: int) -> Any:

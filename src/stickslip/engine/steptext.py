@@ -34,6 +34,14 @@ class Layout:
 
 def step_text(step: Step, at: Layout) -> str:
     """The source of `step`: it reads what its lines ask for, and writes those fields of a lane to which they give a value."""
+    reads, rows, writes = places_of(step, at)
+    lines = "\n".join(step.lines)
+    tables = [_table("READS", reads), _table("ROWS", rows), _table("WRITES", writes)]
+    return "\n".join([f"GROUP, WIDTH = {at.group}, {at.width}", f'LINES = """\n{lines}\n"""', *tables, _STEP])
+
+
+def places_of(step: Step, at: Layout) -> tuple[dict[str, int], dict[str, int], dict[str, int]]:
+    """Where a lane has what the lines of a step ask for, the rows that they read and write, and the fields to which they give a value."""
     offsets = {f"_{name}": at.offsets[name] for name in step.fields}
     numbers = {f"_c{i}": at.constants + i * at.lanes for i in range(len(step.case_nodes))}
     rows = {name: offsets[f"{name}_0"] for name in _rows(step.lines)}
@@ -41,10 +49,7 @@ def step_text(step: Step, at: Layout) -> str:
     if unknown := asked - offsets.keys() - numbers.keys():
         raise AssertionError(f"the lines of a step ask for {', '.join(sorted(unknown))}, which neither they nor a lane hold")
     reads = {name: offset for name, offset in (offsets | numbers).items() if name in asked}
-    writes = {name: offset for name, offset in offsets.items() if name in made}
-    lines = "\n".join(step.lines)
-    tables = [_table("READS", reads), _table("ROWS", rows), _table("WRITES", writes)]
-    return "\n".join([f"GROUP, WIDTH = {at.group}, {at.width}", f'LINES = """\n{lines}\n"""', *tables, _STEP])
+    return reads, rows, {name: offset for name, offset in offsets.items() if name in made}
 
 
 def _table(name: str, offsets: dict[str, int]) -> str:

@@ -49,7 +49,7 @@ class MachineCase:
     """
 
     def __init__(self, machine: Model, start: Any, rtol: float, method: str):
-        _check_machine(machine)
+        check_one_machine(machine, "simulation")
         self._forces, self.is_pushed = {name: _FORCE + number for name, number in force_names(machine).items()}, False
         length = Settings(periods=1) if machine.period is not None else Settings(duration=1.0)
         todo = request(machine, replace(length, rtol=rtol, start=start, samples=4, method=method))
@@ -310,15 +310,16 @@ def _one_or_all(values: Array) -> Any:
     return float(values[0]) if len(values) == 1 else values
 
 
-def _check_machine(machine: Any) -> None:
+def check_one_machine(machine: Any, who: str) -> None:
     """`InputError` for what is not one machine, or has more contacts than a kernel is written for."""
     if not is_machine(machine):
-        allowed = "allowed is a Robot, a mechanism, a machine of several bodies or a SwitchingFlow"
-        raise InputError("simulation", [f"{machine!r} is not a machine; {allowed}; type for example ss.simulation(ss.Joint.example())"])
+        flows = " or a SwitchingFlow" if who == "simulation" else ""
+        allowed = f"allowed is a Robot, a mechanism{'' if flows else ' or'}{',' if flows else ''} a machine of several bodies{flows}"
+        raise InputError(who, [f"{machine!r} is not a machine; {allowed}; type for example ss.simulation(ss.Joint.example())"])
     if shape := labels_of(machine).shape:
         what = f"the {type(machine).__name__} is a batch of shape {shape}"
-        raise InputError("simulation", [f"{what}; allowed is one case; type ss.solve(machine) for a batch"])
+        raise InputError(who, [f"{what}; allowed is one case; type ss.solve(machine) for a batch"])
     contacts = len(machine_of(machine).mechanics.contacts)
     if contacts > WRITTEN_OUT:
         what = f"the {type(machine).__name__} has {contacts} contacts"
-        raise InputError("simulation", [f"{what}; allowed are up to {WRITTEN_OUT}; type ss.solve(machine, duration=60.0) for a longer row"])
+        raise InputError(who, [f"{what}; allowed are up to {WRITTEN_OUT}; type ss.solve(machine, duration=60.0) for a longer row"])

@@ -16,7 +16,7 @@ from stickslip.engine.held_lane import ALL, ENDED, ROOM, SPAN_ALONE, THERE, Held
 from stickslip.solvers.held_cases import HeldCase, Standing
 
 #: Of what has no period: how many typical times its run is taken to be long, until it has lasted half of that.
-_AHEAD = 64.0
+AHEAD = 64.0
 _SAME = 1e-12  # of a period: an instant this close to its end is its end
 _JUMP = 1e-9  # of the largest state: a state that changes by more at the end of a step jumps
 
@@ -58,7 +58,7 @@ class Moment(NamedTuple):
 def first_moment(case: HeldCase) -> Moment:
     """Where a case begins."""
     unit = case.unit
-    span = _AHEAD * unit if unit is not None and math.isfinite(unit) and unit > 0.0 else _AHEAD
+    span = AHEAD * unit if unit is not None and math.isfinite(unit) and unit > 0.0 else AHEAD
     lane, numbers = case.lane(span), case.numbers()
     quick = {number: numbers[name] for name, number in case.names.items() if case.is_quick(number)}
     return Moment(lane, lane.first, case, quick, span, 0.0, case.standing(lane.first, 0.0), 0, "", None, None)
@@ -150,7 +150,7 @@ def _renumbered(now: Moment, base: HeldCase, draft: Side, given: dict[str, float
     others = {name: value for name, value in given.items() if name not in now.inputs}
     if others:
         case = base.changed(others)
-        span = max(span, _AHEAD * (case.unit or 0.0))
+        span = max(span, AHEAD * (case.unit or 0.0))
     while case.period is None and end > 0.5 * span:
         span *= 2.0
     if others or span != now.span or base is not now.case:

@@ -6,7 +6,7 @@ its line in the list of commands.
 
 #: The order of the list; other commands follow, by name.
 FIRST = (
-    "run", "check", "sweep", "bench", "export-law", "map", "resume", "merge", "export", "bifurcation", "atlas", "basins", "lyapunov",
+    "run", "check", "sweep", "bench", "export-law", "export-fmu", "map", "resume", "merge", "export", "bifurcation", "atlas", "basins", "lyapunov",
     "report", "init", "read", "fit", "compare", "optimise", "identify", "paper", "explore", "presets", "laws", "drives", "mechanisms", "doctor",
     "warmup", "completion",
 )  # fmt: skip
