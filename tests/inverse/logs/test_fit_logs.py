@@ -9,7 +9,7 @@ import pytest
 
 import stickslip as ss
 from rows import each_row
-from stickslip.inverse.logs.machines import kinds_for
+from stickslip.inverse.logs.kinds import kinds_for
 from stickslip.records.candidates import candidate_unit
 
 _COUNT = 2 * np.pi / 4096
@@ -187,3 +187,49 @@ def test_laws_of_a_long_record_are_compared_on_some_of_its_samples_and_the_best_
 def test_a_proposal_is_frozen(servo):
     with pytest.raises(dataclasses.FrozenInstanceError):
         servo.proposals[0].taken = "something else"
+
+
+# tables without times -----------------------------------------------------------------------------------------------
+
+
+def bench_table(count=30, noise=0.02):
+    """Forces of a bench at constant speeds both ways, in no order: mu = 2.4 N, f = 3.4 N, v_s = .8 mm/s, 3 N s/m."""
+    rng = np.random.default_rng(3)
+    v = rng.permutation(np.concatenate([side * np.geomspace(1e-4, 0.1, count) for side in (1.0, -1.0)]))
+    F = np.sign(v) * (2.4 + np.exp(-((v / 8e-4) ** 2))) + 3.0 * v + rng.normal(0, noise, len(v))
+    return {"v_mm_s": np.append(1e3 * v, 0.0), "F_N": np.append(F, 1.1)}
+
+
+def test_forces_at_constant_speeds_are_a_bench_and_its_intervals_hold_the_truth():
+    result = ss.fit(bench_table(), starts=4)
+    assert result.machine == "bench" and result.law == "stribeck-viscous" and result.supported
+    for name, truth in {"mu": 2.4, "f": 3.4, "v_s": 8e-4, "viscous": 3.0}.items():
+        low, high = result.fit.interval(name, level=0.999)
+        assert low < truth < high, name
+    assert set(result.fit.sensor) == {"offset", "gain"}  # nobody knows when a row was taken
+    assert "1 stand still or miss a value" in result.report()
+
+
+def test_the_order_of_the_rows_of_a_bench_says_nothing():
+    table = bench_table()
+    again = ss.fit({name: column[::-1] for name, column in table.items()}, law="stribeck", starts=2)
+    assert again.values == ss.fit(table, law="stribeck", starts=2).values
+
+
+def test_a_law_with_inner_states_needs_times():
+    with pytest.raises(ss.InputError, match="has no times, and Dahl has inner states"):
+        ss.identify(ss.read(bench_table()), ss.Dahl, free={"mu": (1.0, 5.0)}, load=1.0, sigma0=1e5, exponent=1.0)
+
+
+def test_mean_speeds_over_settings_are_a_shaken_robot_and_the_interval_holds_the_truth(tmp_path):
+    rng, settings = np.random.default_rng(4), [(A, f) for A in (4e-4, 6e-4, 8e-4) for f in (25.0, 40.0)]
+    made = [ss.presets.piezo_rig(tilt_deg=1.7, amplitude=A, omega=2 * np.pi * f, law="coulomb", mu0=0.19) for A, f in settings]
+    speeds = [ss.periodic_orbit(robot).mean_velocity + rng.normal(0, 2e-5) for robot in made]
+    rows = [f"{1e3 * A:.4f};{f};{1e3 * v:.5f};0.02" for (A, f), v in zip(settings, speeds, strict=True)]
+    (tmp_path / "a.csv").write_text("\n".join(["amplitude_mm;freq_Hz;speed_mm_s;sd_mm_s", *rows]))
+    with pytest.raises(ss.InputError, match="tilt_deg is missing"):
+        ss.fit(tmp_path / "a.csv")
+    result = ss.fit(tmp_path / "a.csv", law="coulomb", numbers={"tilt_deg": 1.7}, starts=4)
+    low, high = result.fit.interval("mu0", level=0.999)
+    assert result.machine == "speeds" and low < 0.19 < high and high - low < 0.01
+    assert "6 mean velocities" in result.report()

@@ -46,6 +46,7 @@ def stated(fit: Fit, row: dict[str, str]) -> str:
     return f"{row['value']}{unit} {row['error']}" if row["name"] in fit.bent else f"{row['value']} {row['error']}{unit}"
 
 
+_LISTED = 4  # mean velocities, of which each has a line of its own
 _UNITS = {"velocity": "m/s", "position": "m", "mean": "m/s", "force": "N", "applied force": "N", "torque": "N m", "current": "A"}
 
 
@@ -202,7 +203,13 @@ def report_text(fit: Fit) -> str:
         else:
             rows.append(f"  {name} = {stated(fit, row)}   95 % {row['low']} to {row['high']}")
     rows += [f"  {line}" for line in (known_line(fit), *sensor_lines(fit), *cost_lines(fit), *input_lines(fit)) if line]
+    means = [q for q in fit.quality if q.kind == "mean"]
+    if len(means) > _LISTED:
+        rms = float(np.sqrt(np.mean([q.rms**2 for q in means])))
+        rows.append(f"  {len(means)} mean velocities: rms {rms:.3g} {means[0].unit}, the largest residual {max(q.rms for q in means):.3g}")
     for q in fit.quality:
+        if q.kind == "mean" and len(means) > _LISTED:
+            continue
         noise = f", noise {q.noise:.3g} {q.unit}" if np.isfinite(q.noise) else ""
         explained = f", R² {q.r2:.5f}" if np.isfinite(q.r2) else ""
         rows.append(f"  {q.label}, {q.kind}: rms {q.rms:.3g} {q.unit}{noise}{explained}, neighbours correlated {q.correlation:.2f}")

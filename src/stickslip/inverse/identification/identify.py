@@ -18,6 +18,7 @@ from stickslip.basics.interruption import interruptible
 from stickslip.basics.phrases import counted
 from stickslip.basics.progress import reporting
 from stickslip.basics.quantities import between
+from stickslip.inverse.identification.constant_speeds import is_of_constant_speeds, motion_at_constant_speeds
 from stickslip.inverse.identification.covariance import noise_scale, spread_of
 from stickslip.inverse.identification.drive_harmonics import with_harmonics
 from stickslip.inverse.identification.fit import Fit
@@ -278,6 +279,10 @@ def _driven(
 ) -> DrivenProblem:
     motions = []
     for i, (rec, law) in enumerate(zip(records, first, strict=True)):
+        if is_of_constant_speeds(rec):
+            table = motion_at_constant_speeds(rec, load, _contact(law), f"record {i}")
+            motions.append(dataclasses.replace(table, given_sigma=noise is not None))
+            continue
         plays = isinstance(law, ForceRig)  # nobody knows where in its play it stands
         made = dataclasses.replace(motion_of(rec, load, f"record {i}", any_start or plays, not plays), given_sigma=noise is not None)
         motions.append(made.through_play() if plays else made)

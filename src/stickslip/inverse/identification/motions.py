@@ -77,6 +77,7 @@ class PrescribedMotion(Compared):
     in_play: bool = False  # whether the contact is moved through a play
     blur: float = 0.0  # how far positions may be off where a flank of it is reached
     smear: float = 0.0  # way over which it closes, in a search
+    timeless: bool = False  # a table of constant speeds: v is that of each row
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "weights", np.broadcast_to(self.weights, np.shape(self.t)))
@@ -185,6 +186,10 @@ class PrescribedMotion(Compared):
     def every(self, step: int) -> PrescribedMotion:
         """The same motion, thinned out."""
         last = np.arange(0, len(self.t), step)
+        if self.timeless:
+            return dataclasses.replace(
+                self, **{name: getattr(self, name)[last] for name in ("t", "v", "at", "load", "force", "weights", "still")}
+            )
         x = np.concatenate([[0.0], np.cumsum(self.v[1:] * np.diff(self.t))])[last]
         t = self.t[last]
         v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])

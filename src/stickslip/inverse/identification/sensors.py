@@ -33,6 +33,8 @@ class Effect:
         Its unit, after that of the record; empty where it has its own.
     unit : str
         Its own unit.
+    timed : bool
+        Whether it needs to be known when the values were taken.
     """
 
     kinds: tuple[str, ...]
@@ -41,6 +43,7 @@ class Effect:
     default: bool
     per: str | None
     unit: str = ""
+    timed: bool = False
 
 
 #: The effects by name. A constant offset of a position is where it is counted from, which is always fitted; the delay of a steady motion is
@@ -48,11 +51,11 @@ class Effect:
 _APPLIED = ("applied force", "torque", "current")  # to a machine whose motion was measured
 EFFECTS = {
     "offset": Effect(("velocity", "force", *_APPLIED), 0.0, None, True, ""),
-    "drift": Effect(("velocity", "position", "force", *_APPLIED), 0.0, None, True, "/s"),
+    "drift": Effect(("velocity", "position", "force", *_APPLIED), 0.0, None, True, "/s", timed=True),
     "gain": Effect(("velocity", "position", "force", *_APPLIED), 1.0, Distribution("normal", 1.0, 0.02), True, None),
-    "delay": Effect(("force", *_APPLIED), 0.0, None, True, None, "s"),
+    "delay": Effect(("force", *_APPLIED), 0.0, None, True, None, "s", timed=True),
     "preload": Effect(("force",), 0.0, None, False, None, "N"),
-    "inertia": Effect(("force",), 0.0, None, False, None, "kg"),
+    "inertia": Effect(("force",), 0.0, None, False, None, "kg", timed=True),
     "start": Effect(("force", *_APPLIED), 0.0, Distribution("uniform", -1.5, 1.5), False, None),  # a slow slide bends by 1
 }
 _OF_THE_CONTACT = ("preload", "start")
@@ -162,7 +165,7 @@ def _usual(targets: Any) -> dict[str, None]:
     curves, kinds = sum(t.kind != "mean" for t in targets), {targets[i].kind for i in able}
     names = {}
     for effect, about in EFFECTS.items():
-        there = [i for i in able if targets[i].kind in about.kinds]
+        there = [i for i in able if targets[i].kind in about.kinds and not (about.timed and targets[i].timeless)]
         shared = about.per is None and len(kinds) == 1
         if there and about.default:
             names.update(dict.fromkeys([effect] if curves == 1 or (shared and len(there) == curves) else [f"{effect}[{i}]" for i in there]))

@@ -43,6 +43,7 @@ class Compared:
     unit: str = ""
     within: float = 0.0
     in_play: bool = False
+    timeless: bool = False  # whether its values are rows of a table, of which nobody knows when they were taken
     clipped: Any = 0  # which values sit on the upper end (1), or the lower one (-1), of the range of their sensor
 
     @property

@@ -40,14 +40,15 @@ def fit(
     """Fit friction laws to a file: roles, units, machine and law are proposed, and what was decided is in the result.
 
     The machine follows from what was measured: a force over a motion is a friction rig, a torque or a current over an angle a joint, a
-    velocity alone a shaken robot. Laws are compared by `ss.identification.rank`, and one coefficient is that of both directions unless
+    velocity alone a shaken robot. Tables without times are known too: forces over speeds are a bench, and mean speeds over amplitude and
+    frequency a shaken robot. Laws are compared by `ss.identification.rank`, and one coefficient is that of both directions unless
     `asymmetric`.
 
     Parameters
     ----------
     file : str, Path, Record, data frame, or a list of them
         One file, or several of the same machine.
-    machine : {"rig", "slider", "joint", "robot"}, optional
+    machine : {"rig", "slider", "joint", "robot", "bench", "speeds"}, optional
         The kind of machine, where the file leaves it open.
     law : str, optional
         One law instead of a comparison: "coulomb", "coulomb-viscous", "stribeck", "dahl" or "lugre"; of a robot "coulomb",
@@ -173,7 +174,7 @@ class _Search:
         made = kind.task(self.records, law, self.given, self.asymmetric)
         mass = {name: None for name in made.options.get("sensor", {}) if name == "inertia"}  # a number of the machine
         sensor = {} if self.sensor is None else {"sensor": mass | self.sensor}
-        task = Task(made.make, made.made_by, made.free, made.options | sensor | {"starts": self.starts})
+        task = replace(made, options=made.options | sensor | {"starts": self.starts})
         return task, task(self.records, progress=self.progress)
 
 
@@ -203,7 +204,7 @@ def _laws(kind: Kind, search: _Search, law: str | None) -> tuple[dict[str, Any],
 def _next(chosen: Any, kind: Kind) -> list[str]:
     """What to measure next for the numbers that the record does not determine, or only poorly."""
     poor = [name for name, error in chosen.errors.items() if name in chosen.undetermined or error > 0.2 * abs(chosen.values[name])]
-    if not poor or kind.name == "robot":
+    if not poor or not kind.advises:
         return []
     _, x, v = chosen.problem.targets[0].moved
     stroke, speed = float(max(x) - min(x)), float(max(abs(v)))

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from stickslip.basics.errors import InputError, did_you_mean
+from stickslip.basics.errors import InputError
 from stickslip.basics.spelling import spelled
 from stickslip.basics.units import quantity_of
 from stickslip.inverse.logs.sizes import Sizes, sizes_of
@@ -44,18 +44,20 @@ class Task:
     made_by: str
     free: dict[str, tuple[Any, ...]]
     options: dict[str, Any] = field(default_factory=dict)
+    values: Callable[[list[Any]], list[Any]] = list  # what of the records is fitted
+    values_by: str = "{}"  # the expression that makes it of the records
 
     def __call__(self, records: list[Any], **more: Any) -> Any:
         """The fit."""
         from stickslip.inverse.identification import identify
 
-        return identify(records, self.make, free=self.free, **self.options, **more)
+        return identify(self.values(records), self.make, free=self.free, **self.options, **more)
 
     def written(self, records: str) -> str:
         """The call as Python; the numbers are those of the call to the last digit."""
         free = "".join(f"        {name!r}: {bounds!r},\n" for name, bounds in self.free.items())
         options = "".join(f"    {name}={value!r},\n" for name, value in self.options.items())
-        return f"fit = ss.identify(\n    {records},\n    {self.made_by},\n    free={{\n{free}    }},\n{options})"
+        return f"fit = ss.identify(\n    {self.values_by.format(records)},\n    {self.made_by},\n    free={{\n{free}    }},\n{options})"
 
 
 class Kind(ABC):
@@ -66,6 +68,8 @@ class Kind(ABC):
     laws: ClassVar[tuple[str, ...]]
     richer: ClassVar[tuple[str, ...]] = ()  # laws that are tried where none of the others is supported
     over_motion: ClassVar[bool] = True  # whether forces are fitted over a motion
+    timed: bool = True  # whether it needs to be known when values were taken; others are rows of a table
+    advises: bool = True  # whether `Fit.next_experiment` knows records of this kind
     takes: ClassVar[dict[str, str]] = {}  # numbers that may be typed, with what they are
     needs: ClassVar[dict[str, str]] = {}  # those of them without which nothing can be fitted, with an example
 
@@ -73,9 +77,17 @@ class Kind(ABC):
     def suits(self, rec: Record) -> str:
         """What of a record speaks for this kind; empty where something is missing."""
 
-    def lacks(self, given: dict[str, Any]) -> str:
+    def missing(self, records: Sequence[Record], given: dict[str, Any]) -> list[str]:
+        """Numbers without which nothing can be fitted, and that neither the records have nor the user gave."""
+        return [name for name in self.needs if name not in given]
+
+    def lacks(self, records: Sequence[Record], given: dict[str, Any]) -> str:
         """What has to be typed, in a sentence; empty where nothing is missing."""
-        return ""
+        if not (missing := self.missing(records, given)):
+            return ""
+        typed = ", ".join(f'"{name}": {self.needs[name]}' for name in missing)
+        need = "the motion of a shaken robot determines friction only where its drive is known"
+        return f"{' and '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing: {need}; type for example numbers={{{typed}}}"
 
     def assumed(self, records: Sequence[Record], given: dict[str, Any]) -> dict[str, tuple[str, str]]:
         """Numbers that nobody gave: name -> (value in words, why)."""
@@ -84,6 +96,11 @@ class Kind(ABC):
     @abstractmethod
     def task(self, records: Sequence[Record], law: str, given: dict[str, Any], asymmetric: bool) -> Task:
         """How a law is fitted."""
+
+
+def over_time(rec: Record) -> bool:
+    """Whether it is known when the values of a record were taken."""
+    return any(c.axis_name != "sample" and c.over_time for c in rec.channels.values())
 
 
 def quantity_in(rec: Record, role: str) -> str | None:
@@ -136,7 +153,7 @@ class Rig(Kind):
     name = "rig"
     words = "a friction rig: its friction force over its motion"
     laws = ("coulomb", "coulomb-viscous", "stribeck", "stribeck-viscous")
-    richer = ("dahl", "lugre")
+    richer: ClassVar[tuple[str, ...]] = ("dahl", "lugre")
     takes: ClassVar[dict[str, str]] = {"load": "normal force [N]"}
     free_mass: ClassVar[bool] = False
 
@@ -245,6 +262,7 @@ class Shaken(Kind):
     words = "a robot shaken by an inner mass: its steady motion over the drive's period"
     laws = ("coulomb", "coulomb-static", "lugre")
     over_motion = False
+    advises = False
     takes: ClassVar[dict[str, str]] = {
         "amplitude": "amplitude of the inner mass [m]", "tilt_deg": "tilt of the track [degrees]", "frequency": "of the drive [Hz]",
         "body_mass": "[kg]", "inner_mass": "[kg]",
@@ -257,7 +275,7 @@ class Shaken(Kind):
         """What of a record speaks for it; empty where something is missing."""
         motion = _moves(rec, "velocity", "position")
         pushed = {"force", "current"} & {c.role for c in rec.channels.values()}
-        return f"a {motion}, and neither a force nor a current" if motion and not pushed and _over_time(rec) else ""
+        return f"a {motion}, and neither a force nor a current" if motion and not pushed else ""
 
     def assumed(self, records: Sequence[Record], given: dict[str, Any]) -> dict[str, tuple[str, str]]:
         """Numbers that nobody gave: name -> (value in words, why)."""
@@ -265,41 +283,11 @@ class Shaken(Kind):
         defaults = {name: p.default for name, p in inspect.signature(piezo_rig).parameters.items()}
         return assumed | {name: (f"{defaults[name]:g} kg", "the paper's robot") for name in ("body_mass", "inner_mass")}
 
-    def lacks(self, given: dict[str, Any]) -> str:
-        """What has to be typed, in a sentence; empty where nothing is missing."""
-        missing = [name for name in self.needs if name not in given]
-        if not missing:
-            return ""
-        typed = ", ".join(f'"{name}": {self.needs[name]}' for name in missing)
-        need = "the motion of a shaken robot determines friction only where its drive is known"
-        return f"{' and '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing: {need}; type for example numbers={{{typed}}}"
-
     def _frequency(self, rec: Record) -> float:
         return float(rec.drive_frequency().value)
 
     def task(self, records: Sequence[Record], law: str, given: dict[str, Any], asymmetric: bool) -> Task:
         """How a law is fitted."""
-        hertz = float(given.get("frequency", self._frequency(records[0])))
+        hertz = float(given["frequency"] if "frequency" in given else self._frequency(records[0]))
         own = {name: float(value) for name, value in given.items() if name != "frequency"} | {"omega": 2 * math.pi * hertz, "law": law}
         return Task(piezo_rig, "ss.presets.piezo_rig", {name: self._free[name] for name in self._of[law]}, own)
-
-
-def _over_time(rec: Record) -> bool:
-    return any(c.axis_name != "sample" for c in rec.channels.values())
-
-
-KINDS: tuple[Kind, ...] = (Rig(), Slider(), JointLog(), Shaken())
-
-
-def kinds_for(records: Sequence[Record]) -> dict[str, tuple[Kind, str]]:
-    """The kinds that records may be of, each with what speaks for it."""
-    reasons = {kind.name: (kind, [kind.suits(rec) for rec in records]) for kind in KINDS}
-    return {name: (kind, why[0]) for name, (kind, why) in reasons.items() if all(why)}
-
-
-def kind_named(name: str) -> Kind:
-    """The kind of a name that was typed."""
-    known = {kind.name: kind for kind in KINDS}
-    if name not in known:
-        raise InputError("fit", [f"machine = {name!r}; {did_you_mean(name, known)}"])
-    return known[name]

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError, Problems, did_you_mean
-from stickslip.inverse.logs.machines import Kind, kind_named, kinds_for
+from stickslip.inverse.logs.kinds import kind_named, kinds_for
+from stickslip.inverse.logs.machines import Kind
 from stickslip.inverse.logs.proposals import Proposal, missing_units, of_channels, table
 from stickslip.records.candidates import candidate_unit, typed_units, without_unit
 
@@ -15,8 +16,8 @@ if TYPE_CHECKING:
     from stickslip.records import Record
 
 _WANTED = (
-    "a force over a position or velocity, a torque or a current over an angle, or a velocity over time"
-    " (a command and an angle alone are not fitted: log the torque or the current too)"
+    "a force over a position or velocity, a torque or a current over an angle, a velocity over time, or a table of forces over speeds"
+    " or of mean speeds over amplitude and frequency (a command and an angle alone are not fitted: log the torque or the current too)"
 )
 
 
@@ -97,7 +98,7 @@ def plan_of(records: Sequence[Record], units: dict[str, str], roles: dict[str, s
         problem = problem or f'no machine suits the file: it needs {_WANTED}; type roles={{"...": "force"}} where a channel is one'
     elif not problem:
         _check_numbers(kind, given)
-        problem = kind.lacks(given)
+        problem = kind.lacks(records, given)
     return Plan(tuple(records), channels, given, kind, why, able, problem)
 
 

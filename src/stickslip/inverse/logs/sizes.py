@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.basics.errors import InputError
+from stickslip.inverse.identification.constant_speeds import is_of_constant_speeds
 
 if TYPE_CHECKING:
     from stickslip.records.record import Record
@@ -52,6 +53,9 @@ def _half_range(values: Any) -> float:
 
 def _motion(rec: Record) -> tuple[float, float, float]:
     """Speed, stroke, and acceleration as of a sine of that speed and stroke."""
+    if is_of_constant_speeds(rec):  # no law that needs a stroke is fitted to it
+        v = rec["velocity"].si
+        return float(np.percentile(abs(v[np.isfinite(v)]), _BULK)), 0.0, 0.0
     if "velocity" in rec:
         v, t = rec["velocity"].si, rec["velocity"].time
     else:

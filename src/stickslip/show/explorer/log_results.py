@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.number_names import SIDES
 from stickslip.inverse.identification.fit_text import (
-    OVER_MOTION,
     cost_lines,
     input_lines,
     known_line,
@@ -26,9 +25,6 @@ if TYPE_CHECKING:
     from stickslip.inverse.logs import LogFit
 
 _WIDTH, _HEIGHT = 4.3, 2.9  # of a picture [inch]: letters of seven points are readable on a phone
-#: Pictures of forces over a motion, and of motions over the drive's period: the figure, and its heading.
-_OF_FORCES = {"over_time": "The fit over the data", "friction_curve": "Friction against velocity", "residuals_over_velocity": "Residuals"}
-_OF_MOTIONS = {"fitted": "The fit over the data", "residuals": "Residuals"}
 
 
 def result_of(made: LogFit) -> dict[str, Any]:
@@ -74,6 +70,8 @@ def _ranking(made: LogFit) -> list[dict[str, Any]]:
 
 
 def _quality(fit: Fit) -> list[str]:
+    if all(q.kind == "mean" for q in fit.quality):
+        return [f"{len(fit.quality)} mean velocities: the largest residual is {max(q.rms for q in fit.quality):.3g} m/s"]
     return [f"{q.label}, {q.kind}: what is left has an rms of {q.rms:.3g} {q.unit}, of {fit.count} values" for q in fit.quality]
 
 
@@ -90,10 +88,10 @@ def _pictures(fit: Fit) -> list[dict[str, str]]:
     """Curve, friction against velocity and residuals of the first record, as SVG."""
     from stickslip.show import figures
     from stickslip.show.reports.drawn import svg
+    from stickslip.show.reports.log_figures import figures_of
 
-    over_motion = all(t.kind in OVER_MOTION for t in fit.problem.targets)
     drawn = []
-    for name, heading in (_OF_FORCES if over_motion else _OF_MOTIONS).items():
+    for name, heading in figures_of(fit).values():
         draw: Callable[..., Any] = getattr(figures, name)
         drawn.append({"heading": heading, "svg": svg(partial(_on, draw, fit), _WIDTH, _HEIGHT, name, layout="constrained")})
     return drawn

@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.basics.errors import InputError, StickslipError
 from stickslip.basics.units import quantity_of
-from stickslip.inverse.logs.machines import kinds_for
+from stickslip.inverse.logs.kinds import kinds_for
 from stickslip.inverse.logs.plan import Plan, plan_of
 from stickslip.records import Record
 from stickslip.records.candidates import candidate_unit, without_unit
@@ -101,9 +101,10 @@ def _numbers(plan: Plan, assumed: dict[str, tuple[str, str]]) -> list[dict[str, 
     """A field for each number that the machine takes: its words, what was typed, and what is assumed otherwise."""
     if plan.kind is None:
         return []
+    missing = plan.kind.missing(plan.records, {})
     return [
         {
-            "name": name, "words": words, "typed": plan.given.get(name), "needed": name in plan.kind.needs,
+            "name": name, "words": words, "typed": plan.given.get(name), "needed": name in missing,
             "assumed": assumed.get(name, ("", ""))[0], "why": assumed.get(name, ("", ""))[1], "example": plan.kind.needs.get(name, ""),
         }
         for name, words in plan.kind.takes.items()

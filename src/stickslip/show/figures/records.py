@@ -249,7 +249,8 @@ def autocorrelation(fit: Fit, record: int = 0, ax: Ax = None) -> Any:
 def residuals(fit: Fit, record: int = 0, ax: Ax = None) -> Any:
     """Residuals of one record: noise if the law is right, structured if it is not.
 
-    The line is the mean at each phase of the drive, with two standard errors on either side; it is zero if the law is right.
+    The line is the mean at each phase of the drive, with two standard errors on either side; it is zero if the law is right. Of a mean
+    velocity those of all mean velocities are drawn, each with its standard deviation where that was given.
 
     Parameters
     ----------
@@ -272,16 +273,29 @@ def residuals(fit: Fit, record: int = 0, ax: Ax = None) -> Any:
     """
     ax = axes(ax)
     target, rest = fitted_target(fit, record), residual_values(fit, record)
+    if target.kind == "mean":
+        return _residuals_of_means(fit, ax)
     factor, unit = prefix(rest)
-    x, label = (np.arange(len(rest)), "value") if target.kind == "mean" else _abscissa(fit, record)
+    x, label = _abscissa(fit, record)
     ax.axhline(0.0, color=INK, linewidth=0.6)
     ax.plot(*_dots(x, rest * factor), ".", color=COLOURS[1], markersize=1.8, alpha=0.5, linewidth=0, rasterized=True)
     if target.kind in ("velocity", "position") and len(rest) > 4 * _BINS:
         at, mean, error = _phase_mean(x, rest)
         ax.fill_between(at, (mean - 2 * error) * factor, (mean + 2 * error) * factor, color=INK, alpha=0.2, linewidth=0)
         ax.plot(at, mean * factor, color=INK, linewidth=0.9)
-    words = _words("velocity" if target.kind == "mean" else target.kind, unit)
-    ax.set(xlabel=label, ylabel=f"residual {words}")
+    ax.set(xlabel=label, ylabel=f"residual {_words(target.kind, unit)}")
+    return ax
+
+
+def _residuals_of_means(fit: Fit, ax: Axes) -> Any:
+    """Residuals of all mean velocities over what was measured."""
+    means = [i for i, t in enumerate(fit.problem.targets) if t.kind == "mean"]
+    rest, measured = np.array([residual_values(fit, i)[0] for i in means]), np.array([fit.problem.targets[i].y[0] for i in means])
+    spread = np.array([t.sigma if t.given_sigma else 0.0 for t in (fit.problem.targets[i] for i in means)])
+    (factor, unit), (own, own_unit) = prefix(rest), prefix(measured)
+    ax.axhline(0.0, color=INK, linewidth=0.6)
+    ax.errorbar(measured * own, rest * factor, spread * factor, fmt="o", color=COLOURS[1], markersize=3, elinewidth=0.8)
+    ax.set(xlabel=f"measured mean {_words('velocity', own_unit)}", ylabel=f"residual {_words('velocity', unit)}")
     return ax
 
 
