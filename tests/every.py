@@ -136,6 +136,34 @@ class Beam(ss.Machine):
         return {"pad": ss.Contact({"bending": sin(pi * self.place), "second": sin(2 * pi * self.place)}, self.friction, load=0.4)}
 
 
+@dataclass(frozen=True, eq=False)
+class CartPole(ss.Machine):
+    """A pendulum on a cart that is pushed to and fro."""
+
+    cart: float
+    bob: float
+    length: float
+    friction: Any
+    omega: float = 5.0
+    coordinates = ("x", "angle")
+
+    @property
+    def period(self):
+        return 2 * pi / self.omega
+
+    def bodies(self):
+        return {"cart": ss.Body(self.cart), "bob": ss.Body(self.bob)}
+
+    def places(self, t, q):
+        return {"cart": (q["x"], 0.0), "bob": (q["x"] + self.length * sin(q["angle"]), -self.length * cos(q["angle"]))}
+
+    def forces(self, t, q, u):
+        return {"x": 4.0 * sin(self.omega * t) - 3.0 * q["x"], "angle": -0.01 * u["angle"]}
+
+    def contacts(self):
+        return {"rail": ss.Contact("cart", self.friction, load=(self.cart + self.bob) * 9.81)}
+
+
 def den_hartog(F, r=0.7):
     """x'' + x + F sgn x' = cos(r t), with rest."""
     offered = lambda t, y: -y[0] + cos(r * t)  # noqa: E731
@@ -223,6 +251,7 @@ every_machine: dict[str, tuple[Any, str, tuple[float, float]]] = {
     "a machine of your own": (Tow(0.07, 0.03, 0.3, 205.0, 300.0, 0.1, DRY), "stiffness", (250.0, 300.0)),
     "a machine without contacts": (Hammer(5.0), "stiffness", (4.9, 5.0)),
     "a machine by its modes": (Beam(0.3, 0.5, DRY), "place", (0.3, 0.35)),
+    "cart and pole": (CartPole(1.0, 0.3, 0.5, ss.Coulomb(0.1, 0.1)), "length", (0.48, 0.5)),
     "a SwitchingFlow": (DEN_HARTOG, "F", (0.3, 0.4)),
     "a flow without a period": (_van_der_pol(), "mu", (1.0, 1.1)),
     "a Filippov flow": (_hunted(), "k", (6.0, 6.2)),
@@ -230,7 +259,7 @@ every_machine: dict[str, tuple[Any, str, tuple[float, float]]] = {
 }
 #: Those that have bodies: all but the flows.
 with_bodies = {name: made for name, made in every_machine.items() if not is_flow(made[0])}
-OWN = (Capsule, Tow, Hammer, Beam)
+OWN = (Capsule, Tow, Hammer, Beam, CartPole)
 
 
 def without_line(made):
@@ -528,7 +557,7 @@ def _explorer(c):
     from stickslip.show.explorer.machines import Shown, picture
 
     found = picture(Shown(c.machine, options=c.length), True, c.machine, lambda done, whole: None)
-    assert [body["name"] for body in found["picture"]["bodies"] if body["v"]] == list(c.run().bodies)
+    assert [body["name"] for body in found["picture"]["bodies"] if body["v"]] == list(c.run().body_columns)
     assert [row["name"] for row in found["picture"]["rows"]][: len(c.run().contacts)] == list(c.run().contacts) and found["facts"]
 
 

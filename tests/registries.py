@@ -26,7 +26,7 @@ from stickslip.models.machines.mechanism import Mechanism
 OF_OTHERS = {
     "Link",
     "BehindPlay", "BodyAndMass", "DynamicSum", "LawAdapter", "ModalSum", "PeriodicRecord", "Rigid", "Rippled", "Shifted", "SlidingSum",
-    "Sum", "Together", "Turned",
+    "Sum", "Together", "Turned", "TurnedCoordinates",
 }  # fmt: skip
 
 

@@ -169,7 +169,7 @@ def energy(run: Trajectory) -> Energy:
         of_parts["friction"][contact][row] += taken
         works["drive"][row] += given
     works |= {n: sum(of_parts[n].values(), np.zeros(count)) for n in of_parts if of_parts[n]}
-    changes = {"kinetic": np.diff(mechanics.kinetic(v))}
+    changes = {"kinetic": np.diff(mechanics.kinetic(v, x))}
     if (stored := mechanics.potential(borders, x)) is not None:
         changes["potential"] = np.diff(stored)
     gross = [*gross, *(abs(w) for n, w in {**works, **changes}.items() if n != "actuator")]
@@ -202,8 +202,8 @@ def _integrals(run: Trajectory, edges: Array, index: Array, owner: Array, count:
     of_parts = _of_parts(run, powers, integral)
     works = {n: integral(p) for n, p in powers.items() if p.ndim == 1} | {n: np.zeros(count) for n, p in powers.items() if p.ndim == 2}
     gross = [integral(abs(p)) for n, part in powers.items() if n != "actuator" for p in (part.T if part.ndim == 2 else part[None])]
-    v = run._states_at(t.ravel(), np.repeat(index, len(nodes)))[1]
-    kinetic = machine_of(run.model).mechanics.kinetic(v).reshape(t.shape)
+    x, v = run._states_at(t.ravel(), np.repeat(index, len(nodes)))[:2]
+    kinetic = machine_of(run.model).mechanics.kinetic(v, x).reshape(t.shape)
     low, high = np.full(count, np.inf), np.zeros(count)
     np.minimum.at(low, owner, kinetic.min(axis=1))
     np.maximum.at(high, owner, kinetic.max(axis=1))
@@ -267,9 +267,9 @@ def _add_impulse(run: Trajectory, works: dict[str, Array], t: float, jump: Any, 
     if machine.mechanics.stops and not np.any(jump):  # a body that is hit there is thrown by its stop
         return
     before, after = (int(run._index(t + d * run.period_time)) for d in (-1e-12, 1e-12))
-    v = run._states_at(np.array([min(t, run.pieces.t[before + 1])]), np.array([before]))[1][0]
+    x, v = (of[0] for of in run._states_at(np.array([min(t, run.pieces.t[before + 1])]), np.array([before]))[:2])
     later = run._states_at(np.array([t]), np.array([after]))[1][0] if after > before else v + jump
-    works["drive"][row] += float(machine.mechanics.kinetic(later) - machine.mechanics.kinetic(v))
+    works["drive"][row] += float(machine.mechanics.kinetic(later, x) - machine.mechanics.kinetic(v, x))
     moment = 1e-12 * run.period_time
     for mass, drive in machine.inner_masses:  # each is thrown by its own jump and by the body's
         xi_rate, thrown = drive.velocity(t - moment), drive.velocity(t + moment)

@@ -96,10 +96,10 @@ def _of_body(run: Any, body: int | str) -> float:
         raise InputError(
             "mean_velocity", [f"body = {body!r} of a {given}; allowed is a Trajectory; a {given} keeps one velocity; leave body out"]
         )
-    names = list(run.bodies)
+    names = list(run.body_columns)
     if body not in names and not (is_whole(body) and 0 <= int(body) < len(names)):
         raise InputError("mean_velocity", [f"body = {body!r}; allowed are {', '.join(map(repr, names))} or 0 to {len(names) - 1}"])
-    of = run.bodies[body if isinstance(body, str) else names[int(body)]]
+    of = run.body_columns[body if isinstance(body, str) else names[int(body)]]
     if run.model.period is None:
         inside = (run.t >= run.window[0]) & (run.t <= run.window[1])
         t, x = run.t[inside], of.x[inside]

@@ -160,8 +160,8 @@ def add_contacts(parts: Assembly, speeds: list[Sym | None]) -> None:
     for i in sorted(range(len(m.laws)), key=lambda i: m.laws[i].needs_applied):  # those that ask what is left to bear, last
         if m.laws[i].dynamic:
             _add_dynamic(parts, i, speeds[i])
-    for group in groups_of(m.directions, [i for i, law in enumerate(m.laws) if not law.dynamic]):
-        if len({m.directions[i] for i in group}) > 1 or not brakes_one(m.directions[group[0]]):
+    for group in groups_of(m.reach, [i for i, law in enumerate(m.laws) if not law.dynamic]):
+        if m.equations.joined or len({m.directions[i] for i in group}) > 1 or not brakes_one(m.directions[group[0]]):
             add_box(parts, group, speeds)
         elif len(group) > 1:
             add_feet(parts, group, speeds)

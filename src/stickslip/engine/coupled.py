@@ -173,6 +173,8 @@ def add_box(parts: Assembly, group: list[int], speeds: list[Sym | None]) -> None
         parts.contacts.append(
             TracedContact(name, m.slips[i], m.directions[i], state, None, (), (i,), branches, speeds[i], False, row=m.weighted(i))
         )
+    if m.equations.joined:
+        _hold_exactly(parts, group)
     sides = {i: graph.by_side(m.slips[i], one, -one, zero) for i in group}
     for number, new in box.decided(sides).items():
         parts.first_modes[number] = new
@@ -184,7 +186,7 @@ def _box_of(parts: Assembly, group: list[int]) -> Box:
     slide, limits = {i: sliding_both_ways(parts, i) for i in group}, {i: limits_of(parts, i) for i in group}
     accelerations = m.accelerations(parts.known_forces)
     free = {i: _total([*_changes(m, i, accelerations), graph.derivative(m.slips[i], m.t)]) for i in group}
-    if any(m.weighted(i) for i in group):
+    if m.equations.joined or any(m.weighted(i) for i in group):
         G = _felt(parts, group)
     else:
         masses, rows = list(map(m.lift, m.equations.masses)), m.directions
@@ -210,6 +212,16 @@ def _felt(parts: Assembly, group: list[int]) -> dict[tuple[int, int], Sym]:
         felt = tuple(-graph.derivative(a, force) for a in moved)
         G |= {(i, k): _total([graph.constant(0.0), *_changes(m, i, felt)]) for i in group}
     return G
+
+
+def _hold_exactly(parts: Assembly, group: list[int]) -> None:
+    """Acceleration of a coordinate whose velocity is a slip, without what rounding leaves of it while it rests."""
+    m = parts.m
+    moved = m.accelerations(parts.forces)
+    for j, i in enumerate(m.owner):
+        if i in group:
+            held = -m.graph.derivative(m.slips[i] - m.y[j], m.t)
+            parts.f[j] = m.graph.by_side(parts.modes[i], moved[j], moved[j], held)
 
 
 def without_slip(m: Symbolic, i: int) -> dict[int, Sym]:

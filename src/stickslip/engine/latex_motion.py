@@ -54,7 +54,10 @@ def lines_of_motion(model: Model) -> list[str]:
     traced = replace_leaf(model, letters.symbols)
     single = machine_of(model).one_body is not None
     try:
-        mechanics: Any = OneBody(traced) if single else _Parts(machine_of(traced).declaring)
+        mechanics: Any = OneBody(traced) if single else machine_of(traced).mechanics
+        if mechanics.joined:
+            return [*_of_coordinates_joined(mechanics), *_of_contacts(mechanics, letters)]
+        mechanics = mechanics if single else _Parts(machine_of(traced).declaring)
         parts = [] if single else [*_of_controllers(mechanics), *_of_links(mechanics)]
         return [*_of_bodies(mechanics), *parts, *_of_contacts(mechanics, letters)]
     except (TypeError, ValueError, AttributeError):  # a record, say: numbers and no formula
@@ -91,6 +94,25 @@ def _of_bodies(mechanics: Any) -> list[str]:
             for name, index in zip(mechanics.bodies, own, strict=True)
             if expression_of(jumps[mechanics.coordinate_of(name)]) != 0
         ]
+    return lines
+
+
+def _of_coordinates_joined(mechanics: Any) -> list[str]:
+    """The rows of the matrix of inertia times accelerations, one line for each coordinate, and what is on the other side."""
+    own, t = indices(mechanics.bodies), symbol("t", 0)
+    x, v = _states(own)
+    R = tuple(symbol(subscripted("R", index), 0) for index in indices(mechanics.contacts))
+    braked = [
+        sum((expression_of(row[j]) * force.expression for row, force in zip(mechanics.rows(t, x), R, strict=True)), sympy.Integer(0))
+        for j in range(len(own))
+    ]
+    lines, h = [], mechanics.applied(t, x, v)
+    for row, force, brake in zip(mechanics.matrix(t, x), h, braked, strict=True):
+        inertia = sum(
+            (sympy.trigsimp(sympy.expand(expression_of(entry))) * symbol(rf"\ddot {subscripted('x', index)}", 0).expression)
+            for entry, index in zip(row, own, strict=True)
+        )
+        lines.append(f"{text_of(inertia)} &= {text_of(sympy.trigsimp(sympy.expand(expression_of(force))) - brake)}")
     return lines
 
 

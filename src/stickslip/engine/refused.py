@@ -48,14 +48,15 @@ def refusal_of(machine: MachineAdapter) -> str:
     dynamic = [law.dynamic for law in m.laws]
     if any(dynamic) and not all(dynamic) and (beside := _alone_only(machine)):
         return f"some of its laws rest exactly and others have inner states, and {beside}; {other}"
-    for group in groups_of(m.directions, [i for i, inner in enumerate(dynamic) if not inner]):
+    reach = tuple((SOME,) * len(row) for row in m.directions) if m.joined else m.directions
+    for group in groups_of(reach, [i for i, inner in enumerate(dynamic) if not inner]):
         rows = [m.directions[i] for i in group]
         alike = len(set(rows)) == 1 and brakes_one(rows[0])
         if not alike and (len(group) > MOST or _rank(machine, group) < len(group)):
             names = ", ".join(m.contacts[i] for i in group)
             why = f"more than {MOST} of them" if len(group) > MOST else "and the slips of some follow from those of others"
             return f"bodies rub on one another under laws that rest exactly ({names}), {why}; {other}"
-    if any(law.needs_applied for law in m.laws) and (not _alone(m.directions) or m.coordinates < len(m.bodies)):
+    if any(law.needs_applied for law in m.laws) and (m.joined or not _alone(m.directions) or m.coordinates < len(m.bodies)):
         return f"a law asks for the force that would hold its contact, and other contacts decide on that too; {other}"
     if machine.one_body is None and m.jumps and any(law.switching for law in m.laws):
         return f"its velocities jump and a law remembers; {other}"

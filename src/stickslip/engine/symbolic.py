@@ -77,6 +77,11 @@ class Symbolic:
             for row, own in zip(self.directions, given, strict=True)
         )
 
+    @property
+    def reach(self) -> tuple[tuple[float, ...], ...]:
+        """For each contact the coordinates that its friction accelerates, as numbers that are not zero."""
+        return tuple((SOME,) * len(row) for row in self.directions) if self.equations.joined else self.directions
+
     def weighted(self, i: int) -> tuple[Any, ...]:
         """The row of a contact where it has other coefficients than 1, -1 and 0; else nothing."""
         return () if set(self.directions[i]) <= {1.0, -1.0, 0.0} else self.rows[i]

@@ -117,6 +117,9 @@ def _hold(mechanics: Mechanics, resting: Array, t: Array, q: Any, u: Any, loads:
     """Set the forces of contacts at rest and of closed stops to those that keep slip velocities and gap rates constant."""
     contacts = len(mechanics.contacts)
     R[resting[:, :contacts]] = 0.0
+    if mechanics.joined:
+        _hold_joined(mechanics, resting, t, q, u, R, held)
+        return
     g = np.array([*mechanics.directions, *(stop.direction for stop in mechanics.stops)])
     masses = np.array([np.broadcast_to(mass, ()) for mass in mechanics.masses], float)
     G = (g / masses) @ g.T
@@ -133,6 +136,19 @@ def _hold(mechanics: Mechanics, resting: Array, t: Array, q: Any, u: Any, loads:
             pressed[np.ix_(at, held[held >= contacts] - contacts)] = multipliers[:, len(bear) :]
 
 
+def _hold_joined(mechanics: Mechanics, resting: Array, t: Array, q: Any, u: Any, R: Array, held: Any) -> None:
+    """The same where a contact's friction accelerates all coordinates, by the inverse of the matrix of inertia at each instant."""
+    g = np.array(mechanics.rows(0.0, mechanics.start), float)
+    free = _columns(mechanics.accelerations(t, q, u, tuple(R.T), held), t)
+    push = free @ g.T + _columns(mechanics.offset_rates(t), t)
+    felt = np.stack([_columns(mechanics.pushed(t, q, row), t) @ g.T for row in g], axis=-1)  # of each slip rate, by each contact's force
+    for pattern in np.unique(resting, axis=0):
+        (rest,) = np.nonzero(pattern)
+        at = np.flatnonzero(np.all(resting == pattern, axis=1))
+        if len(rest):
+            R[np.ix_(at, rest)] = np.linalg.solve(felt[np.ix_(at, rest, rest)], push[np.ix_(at, rest)][..., None])[..., 0]
+
+
 def _held_alone(mechanics: Mechanics, resting: Array, free: Array, prescribed: Array, places: list[int], R: Array) -> Array:
     """The same where each contact brakes a coordinate of its own, whose acceleration without friction decides alone."""
     needed = np.stack([mechanics.masses[place] * (free[:, place] + prescribed[:, i]) for i, place in enumerate(places)], axis=1)
@@ -141,7 +157,7 @@ def _held_alone(mechanics: Mechanics, resting: Array, free: Array, prescribed: A
 
 def places_of(mechanics: Mechanics) -> list[int] | None:
     """The coordinate of each contact, if each brakes one of its own against what is no coordinate and there are no stops; else None."""
-    if mechanics.stops:
+    if mechanics.stops or mechanics.joined:
         return None
     directions = mechanics.directions
     places = [[c for c, g in enumerate(row) if g] for row in directions]

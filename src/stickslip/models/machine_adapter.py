@@ -301,12 +301,12 @@ def fresh_mechanics(model: Any) -> Mechanics:
     """The equations of a machine, made now: its bodies and contacts are asked again."""
     if not declares_parts(model):
         return OneBody(model)
-    from stickslip.models.several_bodies import SeveralBodies, mechanics_of
+    from stickslip.models.equations_of_motion import equations_of, mechanics_of
 
     parts = parts_of(model)
     if getattr(type(parts), "mechanics", mechanics_of) is not mechanics_of:
         raise InputError(type(parts).__name__, [_OWN_MECHANICS])
-    return SeveralBodies(parts)
+    return equations_of(parts)
 
 
 def forget_mechanics() -> None:

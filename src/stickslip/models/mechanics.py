@@ -38,6 +38,12 @@ class Mechanics(Protocol):
     prescribed: Sequence[tuple[Any, Any]] = ()  # links that keep a distance
     controllers: Controllers = NO_CONTROLLERS
     of_motion: tuple[bool, ...] = ()  # of each contact, whether its load is a function of velocities or forces; () if no load is
+    joined: bool = False  # the friction of a contact accelerates coordinates otherwise than by its row over their masses
+
+    @property
+    def has_places(self) -> bool:
+        """Whether bodies are elsewhere than coordinates say, in a plane."""
+        return False
 
     @property
     def coordinates(self) -> int:
@@ -101,6 +107,10 @@ class Mechanics(Protocol):
         z are the states of the controllers; if not given, the controllers are switched on at this instant.
         """
 
+    def pushed(self, t: Numeric, q: Numbers, force: Numbers) -> tuple[Any, ...]:
+        """Accelerations that forces on the coordinates make."""
+        return tuple(each / mass for each, mass in zip(force, self.masses, strict=True))
+
     def offsets(self, t: Numeric) -> tuple[Any, ...]:
         """Slip velocity of each contact while no coordinate moves [m/s]."""
 
@@ -163,8 +173,8 @@ class Mechanics(Protocol):
         """Rates of the contacts' offsets [m/s^2]."""
         return (0.0,) * len(self.contacts)
 
-    def kinetic(self, v: Array) -> Array:
-        """Kinetic energy of all bodies from their velocities (..., bodies) [J]."""
+    def kinetic(self, v: Array, x: Array | None = None) -> Array:
+        """Kinetic energy of all bodies from their velocities (..., bodies), and where that matters their positions [J]."""
 
     def powers(self, t: Array, x: Array, v: Array, z: Array, column: dict[str, Array]) -> dict[str, Array]:
         """Powers [W] at instants, from positions and velocities (n, bodies), inner states and the columns of forces.
@@ -248,7 +258,7 @@ class OneBody(Mechanics):
         """Normal force [N]."""
         return (normal_load(self.model, t, q[0]),)
 
-    def kinetic(self, v: Array) -> Array:
+    def kinetic(self, v: Array, x: Array | None = None) -> Array:
         """That of all that moves with the contact."""
         return 0.5 * self.model.total_mass * v[..., 0] ** 2
 

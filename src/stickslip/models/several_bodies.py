@@ -274,7 +274,7 @@ class SeveralBodies(Mechanics):
     def offsets(self, t: Numeric) -> tuple[Any, ...]:
         """The contribution of prescribed distances, belts and motions to the slip [m/s]."""
         velocities = dict(zip(self.bodies, self._arms("velocity", t), strict=True))
-        return tuple(_offset(velocities, c) - _velocity(c.on, t) for c in self.joints.values())
+        return tuple(_offset(velocities, c) - prescribed_velocity(c.on, t) for c in self.joints.values())
 
     def slips(self, t: Numeric, u: Numbers) -> tuple[Any, ...]:
         """Slip velocity of each contact [m/s]."""
@@ -300,7 +300,7 @@ class SeveralBodies(Mechanics):
         """Velocity of each body [m/s]."""
         return tuple(_plus(u[self.coordinate[name]], arm) for name, arm in zip(self.bodies, self._arms("velocity", t), strict=True))
 
-    def kinetic(self, v: Array) -> Array:
+    def kinetic(self, v: Array, x: Array | None = None) -> Array:
         """Kinetic energy of all bodies from their velocities (..., bodies) [J]."""
         return np.asarray(0.5 * v**2 @ np.array([float(body.mass) for body in self.parts.values()]))
 
@@ -337,7 +337,7 @@ class SeveralBodies(Mechanics):
     def offset_rates(self, t: Numeric) -> tuple[Any, ...]:
         """Rates of the contacts' offsets [m/s^2]."""
         accelerations = dict(zip(self.bodies, self._arms("acceleration", t), strict=True))
-        return tuple(_offset(accelerations, c) - _acceleration(c.on, t) for c in self.joints.values())
+        return tuple(_offset(accelerations, c) - prescribed_acceleration(c.on, t) for c in self.joints.values())
 
     @cached_property
     def separate(self) -> tuple[Any, ...] | None:
@@ -375,10 +375,6 @@ class SeveralBodies(Mechanics):
             middle = self._middle(group, raw)
             arms |= {name: raw[name] - middle if len(group) > 1 else 0.0 for name in group}
         return tuple(arms[name] for name in self.bodies)
-
-
-#: The property of a machine that makes its equations; solvers make them themselves, of a machine whose own is this one.
-mechanics_of = property(SeveralBodies, doc="Its equations of motion, as functions of plain numbers.")
 
 
 def _groups(bodies: tuple[str, ...], links: list[tuple[Any, Any]]) -> tuple[list[tuple[str, ...]], dict[str, list[tuple[float, Any]]]]:
@@ -435,12 +431,13 @@ def _offset(arms: dict[str, Any], contact: Any) -> Any:
     return arms[contact.body] - other
 
 
-def _velocity(on: Any, t: Numeric) -> Any:
+def prescribed_velocity(on: Any, t: Numeric) -> Any:
     """Velocity of what a contact rubs on, where that is not a body [m/s]."""
     return 0.0 if on is None or isinstance(on, str) else on.velocity(t) if callable(getattr(on, "velocity", None)) else on
 
 
-def _acceleration(on: Any, t: Numeric) -> Any:
+def prescribed_acceleration(on: Any, t: Numeric) -> Any:
+    """Acceleration of the same [m/s^2]."""
     return on.acceleration(t) if callable(getattr(on, "acceleration", None)) else 0.0
 
 

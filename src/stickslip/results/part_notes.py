@@ -31,11 +31,12 @@ def shared_at_rest(run: Trajectory) -> str:
     if not len(run.pieces.mode):
         return ""
     exact = np.array([not law.dynamic for law in machine.laws], bool)
-    if _independent([row for row, rests in zip(machine.mechanics.directions, exact, strict=True) if rests]):
+    rows = machine.mechanics.rows(0.0, machine.mechanics.start)
+    if _independent([row for row, rests in zip(rows, exact, strict=True) if rests]):
         return ""
     rests = (run.pieces.mode == 0) & exact
     for pattern in np.unique(rests, axis=0):
-        several = _undetermined(np.array(machine.mechanics.directions), np.flatnonzero(pattern))
+        several = _undetermined(np.array(rows, float), np.flatnonzero(pattern))
         if several:
             return _text([machine.mechanics.contacts[i] for i in several])
     return ""
@@ -84,7 +85,7 @@ def _undetermined(rows: Any, held: Any) -> list[int]:
 
 
 def _moved_apart(model: Model, columns: Mapping[str, Any]) -> Any:
-    if "body_velocity" not in columns or model.period is None:
+    if "body_velocity" not in columns or model.period is None or machine_of(model).mechanics.joined:
         return False
     velocities = np.asarray(columns["body_velocity"])
     free = np.broadcast_to(np.asarray(machine_of(model).free_velocity, float), velocities.shape[:-1])

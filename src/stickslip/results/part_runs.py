@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 
 from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.basics.variables import VARIABLES
+from stickslip.models.machine_adapter import machine_of
 
 
 def _own(name: str, about: str) -> property:
@@ -60,6 +61,36 @@ class BodyRun(_PartRun):
     acceleration = _column("acceleration")
     strobe_x = _own("strobe_x", "Position at the strobe times [m].")
     strobe_v = _own("strobe_v", "Velocity at the strobe times [m/s].")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PlacedBodyRun:
+    """A body of a run in the plane, by what `places` of its machine say: arrays (time,).
+
+    Its place is x, z upwards [m] and an angle [rad]; v, v_z and turning are their rates. A part that places do not give is zero.
+    """
+
+    run: Any
+    name: str
+
+    def __repr__(self) -> str:
+        return f"<body {self.name!r} of a run>"
+
+    def _part(self, number: int, what: str) -> Any:
+        import numpy as np
+
+        run = self.run
+        q, u = tuple(np.asarray(run.x).T), tuple(np.asarray(run.v).T)
+        mechanics: Any = machine_of(run.model).mechanics
+        place = mechanics.moved(0.0, q, u)[self.name]
+        return 0.0 * q[0] + (getattr(place[number], what) if number < len(place) else 0.0)
+
+    x = property(lambda self: self._part(0, "value"), doc="Place along x [m].")
+    z = property(lambda self: self._part(1, "value"), doc="Height [m].")
+    angle = property(lambda self: self._part(2, "value"), doc="Angle [rad].")
+    v = property(lambda self: self._part(0, "rate"), doc="Velocity along x [m/s].")
+    v_z = property(lambda self: self._part(1, "rate"), doc="Velocity upwards [m/s].")
+    turning = property(lambda self: self._part(2, "rate"), doc="Rate of the angle [rad/s].")
 
 
 class ContactRun(_PartRun):

@@ -267,9 +267,9 @@ def _strobe_of(run: Trajectory) -> tuple[Any, Any, Any]:
 
 def drifting_apart(run: Trajectory) -> str:
     """A sentence on bodies that drift apart, whose distance grew as much in the last quarter of a run as in the one before; or ""."""
-    if run.model.period is None or len(run.bodies) < 2:
+    if run.model.period is None or len(run.body_columns) < 2 or machine_of(run.model).mechanics.joined:
         return ""
-    x, names = run.strobe_x, list(run.bodies)
+    x, names = run.strobe_x, list(run.body_columns)
     quarter = (len(x) - 1) // 4
     if quarter < 4:
         return ""

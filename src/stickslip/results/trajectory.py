@@ -25,7 +25,7 @@ from stickslip.models.state_layout import of_one_contact
 from stickslip.results.dense_output import inner_rates
 from stickslip.results.events import Event, aloft_of, events_of, flights_of, hits_of, nodes_at
 from stickslip.results.part_notes import shared_at_rest
-from stickslip.results.part_runs import BodyRun, ContactRun, ControllerRun
+from stickslip.results.part_runs import BodyRun, ContactRun, ControllerRun, PlacedBodyRun
 from stickslip.results.run_files import RunFiles
 from stickslip.results.steadiness import Steadiness, drifting_apart, steadiness_of_run
 from stickslip.results.verbs import Judged
@@ -337,8 +337,21 @@ class Trajectory(Drawn, Judged, RunFiles):
         return x, v, z
 
     @property
-    def bodies(self) -> dict[str, BodyRun]:
-        """The columns of each body by its name."""
+    def bodies(self) -> dict[str, Any]:
+        """The columns of each body by its name; of a machine whose `places` say where bodies are, their x, z and angle."""
+        mechanics = machine_of(self.model).mechanics if self.pieces.layout.bodies else None
+        if mechanics is not None and mechanics.has_places:
+            return {name: PlacedBodyRun(self.with_axes, name) for name in mechanics.along(0.0, mechanics.start)}  # type: ignore[attr-defined]
+        return dict(self.body_columns)
+
+    @property
+    def coordinates(self) -> dict[str, Any]:
+        """Each coordinate by its name, as an array (time,): those that a machine names, or the positions of its bodies."""
+        return {name: body.x for name, body in self.body_columns.items()}
+
+    @property
+    def body_columns(self) -> dict[str, BodyRun]:
+        """For each entry of the axis of bodies, or of a machine's own coordinates, its columns by its name."""
         return {body.name: BodyRun(self.with_axes, i) for i, body in enumerate(self.pieces.layout.bodies)}
 
     @property

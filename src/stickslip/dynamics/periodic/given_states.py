@@ -83,7 +83,7 @@ def _end_of(run: Any, at: Coordinates) -> Array:
     """The last strobe state of a run of the same bodies."""
     if at.mechanics is None:
         return strobe_states(of_one_contact("periodic_orbit", run, "its strobe states have one velocity"))[-1]
-    given, wanted = (tuple(run.bodies), tuple(run.contacts)), (at.mechanics.bodies, at.mechanics.contacts)
+    given, wanted = (tuple(run.body_columns), tuple(run.contacts)), (at.mechanics.bodies, at.mechanics.contacts)
     if given != wanted:
         parts = [f"bodies {', '.join(bodies)} and contacts {', '.join(contacts)}" for bodies, contacts in (given, wanted)]
         raise InputError("start", [f"the run has {parts[0]}; allowed is a run of {parts[1]}; type guess=ss.solve(machine, periods=200)"])

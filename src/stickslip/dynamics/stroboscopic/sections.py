@@ -138,7 +138,7 @@ def _columns(run: Trajectory) -> list[str]:
     flat = [n for n, values in columns.items() if np.ndim(values) == 1] if run.pieces.layout.own else []
     if run.pieces.layout.single:
         return flat
-    named = [*flat, *(f"{n}.{body}" for n in _OF_BODIES if n in columns for body in run.bodies)]
+    named = [*flat, *(f"{n}.{body}" for n in _OF_BODIES if n in columns for body in run.body_columns)]
     named += [f"{n}.{contact}" for n in _OF_CONTACTS if n in columns for contact in run.contacts]
     return named + [f"z.{c.name}.{k}" for c in run.pieces.layout.contacts for k in range(len(c.inner))]
 
@@ -157,7 +157,7 @@ def read(run: Trajectory, column: str, t: Array) -> Array:
     if kind == "z":
         part, _, state = part.rpartition(".")
         values = values[..., int(state)]
-    return values[:, list(run.bodies if kind in _OF_BODIES else run.contacts).index(part)]
+    return values[:, list(run.body_columns if kind in _OF_BODIES else run.contacts).index(part)]
 
 
 def halved(run: Trajectory, on: str, value: float, low: Array, high: Array, sign: Array) -> Array:
@@ -181,7 +181,7 @@ def _dataset(run: Trajectory, t: Array) -> Any:
         states = {name: ("point", columns_at[name]) for name in _states(run)}
         modes = np.array([str(mode) for mode in np.atleast_1d(columns_at["mode"])]) if len(t) else np.empty(0, str)
         return xr.Dataset({"time": ("point", t), **states, "mode": ("point", modes), **phase})
-    parts = {} if run.pieces.layout.own else {"body": list(run.bodies), "contact": list(run.contacts)}
+    parts = {} if run.pieces.layout.own else {"body": list(run.body_columns), "contact": list(run.contacts)}
     if parts:
         x, v, z = run._states_at(t, run._index(t))
         way, since = way_of_machine(run.model, x), _WAY
@@ -310,7 +310,7 @@ def _asked(run: Trajectory, column: str, parts: dict[str, Any], problems: Proble
         _check_column(problems, run, "column", column)
         return "", [], [column]
     dim = "body" if column in _OF_BODIES else "contact"
-    own = list(run.bodies if dim == "body" else run.contacts)
+    own = list(run.body_columns if dim == "body" else run.contacts)
     others = [name for name, part in parts.items() if part is not None and name != dim]
     layout = run.pieces.layout
     several = not layout.single and (parts[dim] is not None or not layout.own) and column in (*_OF_BODIES, *_OF_CONTACTS)

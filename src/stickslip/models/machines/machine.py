@@ -8,9 +8,10 @@ from typing import Any, ClassVar
 from stickslip.basics.batch import check_shape
 from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import InputError, OneContactNeeded, Problems
+from stickslip.models.equations_of_motion import mechanics_of
 from stickslip.models.machines.checks import check_parts
+from stickslip.models.machines.coordinate_checks import check_coordinates
 from stickslip.models.machines.filed import Filed
-from stickslip.models.several_bodies import mechanics_of
 
 #: What a machine of one body on one contact says of itself.
 _OF_ONE = ("friction", "load", "acceleration", "contact_velocity", "total_mass", "velocity_scale", "drive", "track")
@@ -63,6 +64,11 @@ class Machine(Filed):
     #: without axes for bodies and contacts; others are in ``run.bodies[name]``. None: columns have an axis for all bodies.
     principal: ClassVar[str | None] = None
 
+    #: Names of coordinates of the machine's own, such as ``("x", "angle")``; None: each body moves along a line and is a coordinate.
+    #: Then it has one of these methods: ``places(t, q)``, where bodies are (a number, (x, z) or (x, z, angle), z upwards);
+    #: ``inertia(q)``, the matrix of inertia as a tuple of rows; or ``kinetic(q, u)``, the kinetic energy [J].
+    coordinates: ClassVar[tuple[str, ...] | None] = None
+
     #: After this time the drives repeat [s]; None where nothing does: a run is then so many seconds long.
     period: Any = None
 
@@ -98,14 +104,14 @@ class Machine(Filed):
     def _check(self, problems: Problems) -> None:
         check_shape(self, problems)
         if not problems.mistakes:
-            check_parts(self, problems)
+            (check_parts if self.coordinates is None else check_coordinates)(self, problems)
 
     def mirrored(self) -> Any:
         """The machine with forwards and backwards exchanged; bodies and contacts keep their names."""
         from stickslip.models.machine_adapter import fresh_mechanics
-        from stickslip.models.machines.mirrored import Turned
+        from stickslip.models.machines.mirrored import Turned, TurnedCoordinates
 
         fresh_mechanics(self)  # which refuses equations that its parts do not say
-        return Turned(self)
+        return Turned(self) if self.coordinates is None else TurnedCoordinates(self)
 
     mechanics = mechanics_of

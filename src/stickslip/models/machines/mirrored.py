@@ -12,6 +12,7 @@ from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import Frozen
 from stickslip.basics.of_own import OfOwn
+from stickslip.models.any_coordinates import inertia_of_machine, kinetic_of_machine, places_of_machine
 from stickslip.models.drives.turned import Reversed
 from stickslip.models.friction.law_adapter import mirrored_law as mirrored_law
 from stickslip.models.instant_forces import InstantForces, arguments_of_load, pressing
@@ -82,6 +83,34 @@ class Turned(Machine):
 
 
 @dataclass(frozen=True, eq=False)
+class TurnedCoordinates(Turned):
+    """The same of a machine with coordinates of its own, which are turned round with it; heights stay."""
+
+    coordinates = property(attrgetter("machine.coordinates"), doc="Those of the machine.")
+
+    def bodies(self) -> Mapping[str, Any]:
+        """The bodies, whose forces are turned round."""
+        return {name: _placed_body(body) for name, body in self.machine.bodies().items()}
+
+    def contacts(self) -> Mapping[str, Any]:
+        """The contacts, with laws in the mirror."""
+        return {name: _placed_contact(contact) for name, contact in self.machine.contacts().items()}
+
+    def places(self, t: Numeric, q: Mapping[str, Any]) -> Mapping[str, Any] | None:
+        """The places, on the other side."""
+        given = places_of_machine(self.machine, t, _negative(q))
+        return None if given is None else {name: _across(place) for name, place in given.items()}
+
+    def inertia(self, q: Mapping[str, Any]) -> Any:
+        """The matrix of inertia where the other machine is."""
+        return inertia_of_machine(self.machine, _negative(q))
+
+    def kinetic(self, q: Mapping[str, Any], u: Mapping[str, Any]) -> Any:
+        """The kinetic energy of the other machine."""
+        return kinetic_of_machine(self.machine, _negative(q), _negative(u))
+
+
+@dataclass(frozen=True, eq=False)
 class _TurnedController:
     """A controller in the mirror."""
 
@@ -106,6 +135,10 @@ class _TurnedController:
     def forces(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any], z: Numeric | tuple[Numeric, ...]) -> Mapping[str, Any]:
         """Its forces, turned round [N]."""
         return _negative(self.part.forces(t, _negative(x), _negative(v), z))
+
+
+def _across(place: Any) -> Any:
+    return tuple(part if k == 1 else -part for k, part in enumerate(place)) if isinstance(place, tuple) else -place
 
 
 def _negative(values: Mapping[str, Any]) -> dict[str, Any]:
@@ -166,6 +199,23 @@ def _contact(contact: Any, machine: Any) -> Contact:
             return press(t, _negative(x.others), _negative(v.others), there)
 
     return Contact(contact.body, mirrored_law(contact.friction), on=_on(contact.on), load=load, restitution=contact.restitution)
+
+
+def _placed_body(body: Any) -> Body:
+    """A body of a machine with places, whose forces are along x, along z, and a torque."""
+
+    def force(t: Numeric, x: Any, v: Any) -> Any:
+        given = body.applied(t, _across(x), _across(v))
+        return _across(given)
+
+    return Body(body.mass, force=force, inertia=body.inertia)
+
+
+def _placed_contact(contact: Any) -> Contact:
+    """A contact of a machine with coordinates of its own, whose load is a function of these."""
+    load = (lambda t, q: contact.load(t, _negative(q))) if callable(contact.load) else contact.load
+    at = None if contact.at is None else (-contact.at[0], contact.at[1])
+    return Contact(contact.body, mirrored_law(contact.friction), on=_on(contact.on), load=load, at=at, hold=contact.hold)
 
 
 def _stop(stop: Any) -> Any:

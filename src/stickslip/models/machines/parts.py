@@ -37,7 +37,10 @@ class Body(Frozen):
         `stickslip.maths.where` are found without being named.
     gravity : float or callable, optional
         The part of the applied force that is due to gravity, in the form of `force` [N]; `stickslip.energy` counts its work apart from that
-        of the drive.
+        of the drive. Of machines with `places`, where weights are known, it is not used.
+    inertia : float, optional
+        Moment of inertia about its place [kg m^2], of machines whose `places` give an angle too. There `force` may give a tuple: along x,
+        along z, and a torque.
 
     Examples
     --------
@@ -52,6 +55,7 @@ class Body(Frozen):
     jumps: Any = ()
     breaks: Any = ()
     gravity: Any = 0.0
+    inertia: float = field(default=0.0, metadata=quantity("moment of inertia", "kg m^2", "J", example=0.0, rule=at_least(0.0)))
 
     def applied(self, t: Numeric, x: Numeric, v: Numeric) -> Any:
         """Applied force, with gravity [N]."""
@@ -94,6 +98,12 @@ class Contact(Frozen):
         Coefficient of restitution, from 0 to below 1: the body takes off when the load falls to zero, and lands again. This must be its
         only contact, and not with another body. If not given, and under a law with inner states, a run ends when the load falls to zero.
 
+    at : tuple of float, optional
+        The point of the body in its own axes, from its place [m], where `places` gives an angle.
+    hold : optional
+        "both": a rail that holds the body on both sides, so that it slips along the way that its one coordinate leaves it. For machines
+        with `places`.
+
     Examples
     --------
     >>> import stickslip as ss
@@ -110,6 +120,8 @@ class Contact(Frozen):
     on: Any = None
     load: Any = None
     restitution: Any = None
+    at: Any = None
+    hold: Any = None
 
     @property
     def coefficients(self) -> dict[str, Any]:

@@ -22,7 +22,7 @@ def record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
         "velocity_unit": unit_of("v", run.model),
         "parameters": {name: float(value) for name, value in leaves(run.model)},
         "mean_velocity": mean_velocity(run),
-        "bodies": {name: _body(run, name) for name in run.bodies},
+        "bodies": {name: _body(run, name) for name in run.body_columns},
         **(_motion(run) if driven else {}),
         "period_time": run.period_time if driven else None,
         "duration": float(run.pieces.t[-1] - run.pieces.t[0]),
@@ -41,7 +41,7 @@ def _body(run: Any, name: str) -> dict[str, float]:
     """Mean velocity of one body, and the range of its velocity over the averaging window."""
     from stickslip.analysis.steady import mean_velocity
 
-    v = run.bodies[name].v[run.t >= run.window[0]]
+    v = run.body_columns[name].v[run.t >= run.window[0]]
     return {"mean_velocity": mean_velocity(run, body=name), "velocity_max": float(v.max()), "velocity_min": float(v.min())}
 
 

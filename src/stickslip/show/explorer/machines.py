@@ -196,7 +196,7 @@ def picture(shown: Shown, fine: bool, model: Any, progress: Callable[[int, int],
     run = _solved(shown, model, fine, progress, first)
     data: dict[str, Any] = {"kind": "machine", "fine": fine, "picture": moments(run), "status": run.status}
     data["speeds"] = unit_of("v", run.model)
-    data["mean_velocity"] = {name: mean_of(run, name) for name in run.bodies}
+    data["mean_velocity"] = {name: mean_of(run, name) for name in run.body_columns}
     if fine:
         data |= {"facts": facts(run), "tables": tables(run), "notes": [*shown.notes, *run.notes]}
     return data

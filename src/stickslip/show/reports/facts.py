@@ -180,7 +180,7 @@ def _bodies(run: Trajectory) -> Table:
 
     start, parts = shown_span(run)[0], machine_of(run.model).mechanics.parts  # type: ignore[attr-defined]
     rows, turns = [], unit_of("x", run.model) == "rad"
-    for name, body in run.bodies.items():
+    for name, body in run.body_columns.items():
         v = body.v[run.t >= start]
         mass = f"{float(parts[name].mass):.6g} {'kg m²' if turns else 'kg'}"
         ends = (_rounded(run, float(end)) for end in (v.min(), v.max()))

@@ -129,9 +129,9 @@ def _standing_on(mechanics: Any) -> dict[str, str | None]:
 def _columns(run: Trajectory, at: dict[str, Any]) -> Iterator[tuple[dict[str, Any], Any, Any]]:
     """Each body with its position and velocity; for a robot also its inner masses, without velocities."""
     parts = stage(run.model)
-    for i, part in enumerate(parts[: len(run.bodies)]):
+    for i, part in enumerate(parts[: len(run.body_columns)]):
         yield part, at["x"][:, i], at["v"][:, i]
-    for part, (_, drive) in zip(parts[len(run.bodies) :], machine_of(run.model).inner_masses, strict=True):
+    for part, (_, drive) in zip(parts[len(run.body_columns) :], machine_of(run.model).inner_masses, strict=True):
         yield part, at["x"][:, 0] + drive.position(at["t"]), None
 
 

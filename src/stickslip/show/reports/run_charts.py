@@ -25,7 +25,7 @@ def velocity(run: Trajectory) -> dict[str, Any]:
     """
     t, (v,), shade, across = _columns(run, 3, ("v",))
     shown = "over three drive periods" if run.model.period is not None else "over the run"
-    curves = _by_part(run.bodies, 1e3 * v) or [curve("velocity", 1e3 * v)]
+    curves = _by_part(run.body_columns, 1e3 * v) or [curve("velocity", 1e3 * v)]
     up = ("velocity v", f"m{unit_of('v', run.model)}")
     return chart(f"velocity of {'the body' if v.ndim == 1 else 'each body'} {shown}", t, across, up, curves, shade)
 

@@ -79,13 +79,10 @@ class Equations:
         self.laws, self.stops, self.principal = mechanics.laws, mechanics.stops, machine.principal
         self.single = machine.one_body is not None
         self.masses = [float(m) for m in mechanics.masses]
-        self.rows = [tuple(map(float, row)) for row in (*mechanics.directions, *(stop.direction for stop in self.stops))]
-        self.weights = [[g / m for g, m in zip(row, self.masses, strict=True)] for row in self.rows]
-        self.G = [[_dot(row, weight) for weight in self.weights] for row in self.rows]
+        rows = mechanics.rows(0.0, mechanics.start)
+        self.rows = [tuple(map(float, row)) for row in (*rows, *(stop.direction for stop in self.stops))]
         self.alone = [next((c for c, g in enumerate(row) if g), 0) if sum(map(bool, row)) == 1 else None for row in self.rows]
-        self.effective = [
-            _effective(row, c, self.masses, self.G[i][i]) for i, (row, c) in enumerate(zip(self.rows, self.alone, strict=True))
-        ]
+        self._weigh([[g / m for g, m in zip(row, self.masses, strict=True)] for row in self.rows])
         self.dynamic = [*(law.dynamic for law in self.laws), *(False for _ in self.stops)]
         self._count()
         self.cyclic = self.single and not knows_position(model)
@@ -101,7 +98,21 @@ class Equations:
         self.of_motion = any(mechanics.of_motion)
         self.forces, self.pressing = Watching(self._moved), Watching(self._pressed if self.of_motion else mechanics.loads)
         self.largest: tuple[dict[int, float], dict[int, float]] = ({}, {})  # difference that each condition has seen
+
+    def _weigh(self, weights: list[Floats]) -> None:
+        """What a unit force in each row does to the coordinates' velocities, and to all rows."""
+        self.weights, joined = weights, self.mechanics.joined
+        self.G = [[_dot(row, weight) for weight in self.weights] for row in self.rows]
+        self.effective = [
+            _effective(row, None if joined else c, self.masses, self.G[i][i])
+            for i, (row, c) in enumerate(zip(self.rows, self.alone, strict=True))
+        ]
         self.groups = lru_cache(maxsize=256)(self._groups)
+
+    def look(self, t: float, q: Floats) -> None:
+        """Weigh anew where the matrix of inertia is that of a place."""
+        if self.mechanics.joined:
+            self._weigh([list(map(float, self.mechanics.pushed(t, q, row))) for row in self.rows])
 
     def _count(self) -> None:
         self.n, self.k = len(self.masses), len(self.laws)
@@ -249,6 +260,7 @@ class Equations:
         """Rates and forces of a state."""
         t = self.time(t)
         q, u = self.state(y)
+        self.look(t, q)
         u = self.settled(t, u, mode)
         w, loads = [*map(float, self.mechanics.slips(t, u))], self.pressed(t, [*q, *u, *y[2 * self.n :]], mode)
         R, inner = self._friction(t, q, u, y, w, loads.on(mode.sides), mode)
@@ -354,6 +366,7 @@ class Equations:
     def at_rest(self, t: float, y: ArrayLike, mode: ContactModes) -> Any:
         """The state with resting rows settled."""
         y = np.array(y, float)
+        self.look(t, self.state(y)[0])
         y[self.n : 2 * self.n] = self.settled(self.time(t), self.state(y)[1], mode)
         return y
 
@@ -377,6 +390,7 @@ class Equations:
     def output(self, t: float, y: Array, mode: ContactModes) -> Floats:
         """The states of the dense output: velocities of the coordinates, inner states, and positions where they are known."""
         q, u = self.state(y)
+        self.look(t, q)
         return [*self.settled(self.time(t), u, mode), *map(float, y[2 * self.n :]), *(() if self.cyclic else q)]
 
 

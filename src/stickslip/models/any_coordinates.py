@@ -1,0 +1,395 @@
+r"""The equations of motion of a machine in coordinates of its own: where bodies are, or its matrix of inertia or kinetic energy.
+
+.. math:: M(q)\,\ddot q = h(t, q, \dot q) - \sum_i g_i R_i
+
+Of places the matrix is :math:`M = \sum J^T m J` with their derivatives J, and the accelerations that places have while the coordinates'
+rates stay as they are go to the other side. Of a kinetic energy T it is its second derivative, and Lagrange's equations say the rest.
+All of it takes floats, arrays of cases or symbols: derivatives are carried through plain Python (`stickslip.basics.time_rates`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from stickslip.basics.contracts import Array, Numeric
+from stickslip.basics.maths import maximum, pi
+from stickslip.basics.time_rates import Moving
+from stickslip.models.controllers import Controllers
+from stickslip.models.friction.law_adapter import LawAdapter, adapted
+from stickslip.models.linear_equations import product, solved, total
+from stickslip.models.mechanics import SOME, Mechanics, Numbers
+from stickslip.models.placed_contacts import PlacedContact
+
+GRAVITY = 9.81  # of a machine that does not say its own [m/s^2]
+_LOOKS = 8  # instants of a period at which applied forces are looked at for their size
+_LEAST = 1e-3  # of the velocity that a force as large as the load, or gravity, gives
+Parts = tuple[Any, ...]
+
+
+def places_of_machine(model: Any, t: Any, q: Mapping[str, Any]) -> Any:
+    """Where the bodies of a machine are; None where it does not say."""
+    return _said(model, "places", t, q)
+
+
+def inertia_of_machine(model: Any, q: Mapping[str, Any]) -> Any:
+    """The matrix of inertia that a machine says; None where it does not."""
+    return _said(model, "inertia", q)
+
+
+def kinetic_of_machine(model: Any, q: Mapping[str, Any], u: Mapping[str, Any]) -> Any:
+    """The kinetic energy that a machine says; None where it does not."""
+    return _said(model, "kinetic", q, u)
+
+
+def _said(model: Any, name: str, *arguments: Any) -> Any:
+    """What a method of a machine gives; a field of that name is none."""
+    method = getattr(model, name, None)
+    return method(*arguments) if callable(method) else None
+
+
+class AnyCoordinates(Mechanics):
+    """A machine that names its coordinates. They are what runs have an axis for; bodies are where `places` says.
+
+    Examples
+    --------
+    >>> from dataclasses import dataclass
+    >>> import stickslip as ss
+    >>> from stickslip.maths import cos, sin
+    >>> @dataclass(frozen=True, eq=False)
+    ... class Pendulum(ss.Machine):
+    ...     mass: float
+    ...     length: float
+    ...     coordinates = ("angle",)
+    ...
+    ...     def bodies(self):
+    ...         return {"bob": ss.Body(self.mass)}
+    ...
+    ...     def places(self, t, q):
+    ...         return {"bob": (self.length * sin(q["angle"]), -self.length * cos(q["angle"]))}
+    >>> m = AnyCoordinates(Pendulum(2.0, 0.5))
+    >>> m.matrix(0.0, (0.3,)), round(m.accelerations(0.0, (0.3,), (1.0,), ())[0] / (-9.81 / 0.5 * sin(0.3)), 12)
+    (((0.5,),), 1.0)
+    """
+
+    joined = True
+
+    def __init__(self, model: Any):
+        self.model, self.placed = model, dict(model.bodies())
+        self.bodies = tuple(model.coordinates)
+        self.controllers = Controllers(model.controllers())
+        self.joints, self.links = dict(model.contacts()), dict(model.links())
+        self.contacts = tuple(self.joints)
+        self.elastic = list(self.links.items())
+
+    # ---- what there is ----
+    @property
+    def coordinates(self) -> int:
+        """As many as are named."""
+        return len(self.bodies)
+
+    @cached_property
+    def laws(self) -> tuple[LawAdapter, ...]:
+        """The law of each contact."""
+        return tuple(adapted(contact.friction) for contact in self.joints.values())
+
+    @cached_property
+    def masses(self) -> Parts:
+        """The diagonal of the matrix of inertia where a run begins by default."""
+        return tuple(row[i] for i, row in enumerate(self.matrix(0.0, self.start)))
+
+    @cached_property
+    def parts(self) -> dict[str, _Inertia]:
+        """By coordinate what resists it alone."""
+        return {name: _Inertia(mass) for name, mass in zip(self.bodies, self.masses, strict=True)}
+
+    @property
+    def start(self) -> Parts:
+        """All coordinates are zero."""
+        return (0.0,) * len(self.bodies)
+
+    @property
+    def shares(self) -> Parts:
+        """The way that the machine makes is that of its principal coordinate, or of the first one."""
+        principal = self.bodies.index(self.model.principal) if self.model.principal is not None else 0
+        return tuple(float(c == principal) for c in range(len(self.bodies)))
+
+    @property
+    def breaks(self) -> Parts:
+        """Those of the machine and of what contacts rub on [s]."""
+        motions = [s for contact in self.joints.values() for s in getattr(contact.on, "breaks", None) or ()]
+        return (*motions, *(getattr(self.model, "breaks", None) or ()))
+
+    @property
+    def time_scale(self) -> Any:
+        """The period, or what the machine says; None where nobody knows."""
+        return self.period if self.period is not None else getattr(self.model, "time_scale", None)
+
+    @property
+    def velocity_scale(self) -> Any:
+        """A typical rate of the coordinates: what the machine says, else what forces, gravity and motions do in a part of the period."""
+        own = getattr(self.model, "velocity_scale", None)
+        if own is not None:
+            return own
+        time = 1.0 if self.time_scale is None else self.time_scale
+        still, largest = (0.0,) * len(self.bodies), _LEAST * abs(self.gravity) * time
+        for load, felt in zip(self.loads(0.0, self.start), self._lightness(), strict=True):
+            largest = maximum(largest, _LEAST * abs(load) * felt * time)
+        for k in range(_LOOKS if self.period is not None else 1):
+            t = time * (k / _LOOKS)
+            for a in self.accelerations(t, self.start, still, (0.0,) * len(self.contacts)):
+                largest = maximum(largest, abs(a) * time / (2 * pi))
+            for b in self.offsets(t):
+                largest = maximum(largest, abs(b))
+        return largest
+
+    def _lightness(self) -> list[Any]:
+        """How much a unit force at each contact changes its slip rate, where a run begins by default."""
+        pushed = (self.pushed(0.0, self.start, row) for row in self.rows(0.0, self.start))
+        return [total(map(product, row, by)) for row, by in zip(self.rows(0.0, self.start), pushed, strict=True)]
+
+    @property
+    def gravity(self) -> Any:
+        """Acceleration of gravity, downwards [m/s^2]."""
+        return getattr(self.model, "gravity", GRAVITY)
+
+    # ---- contacts ----
+    @cached_property
+    def touching(self) -> tuple[PlacedContact, ...]:
+        """What each contact's slip takes of the rates of the coordinates, and where it presses."""
+        return tuple(PlacedContact(self, contact) for contact in self.joints.values())
+
+    @cached_property
+    def directions(self) -> tuple[tuple[float, ...], ...]:
+        """The rows of the contacts."""
+        return tuple(tuple(float(g) if isinstance(g, (int, float)) else SOME for g in row) for row in self.rows(0.0, self.start))
+
+    def rows(self, t: Numeric, q: Numbers) -> tuple[Parts, ...]:
+        """The same with the numbers that places or contacts say."""
+        return tuple(contact.row for contact in self.touching)
+
+    def offsets(self, t: Numeric) -> Parts:
+        """What belts and motions add to the slips [m/s]."""
+        return tuple(contact.offset(t) for contact in self.touching)
+
+    def offset_rates(self, t: Numeric) -> Parts:
+        """Rates of the contacts' offsets [m/s^2]."""
+        return tuple(contact.offset_rate(t) for contact in self.touching)
+
+    def slips(self, t: Numeric, u: Numbers) -> Parts:
+        """Slip velocity of each contact [m/s]."""
+        return tuple(total(map(product, row, u)) + b for row, b in zip(self.rows(t, ()), self.offsets(t), strict=True))
+
+    def loads(self, t: Numeric, q: Numbers, u: Numbers | None = None, z: Numbers | None = None) -> Parts:
+        """Normal force on each contact [N]."""
+        named = dict(zip(self.bodies, q, strict=True))
+        return tuple(c.load(t, dict(named)) if callable(c.load) else c.load for c in self.joints.values())
+
+    def difference(self, i: int) -> bool:
+        """Whether several coordinates decide a slip."""
+        return sum(map(bool, self.directions[i])) > 1 or callable(getattr(self.joints[self.contacts[i]].on, "velocity", None))
+
+    # ---- places ----
+    def along(self, t: Any, q: Numbers) -> dict[str, tuple[Moving, ...]]:
+        """Places of the bodies at an instant and coordinates that move: a number, (x, z) or (x, z, angle) of each, with two rates."""
+        given = places_of_machine(self.model, t, dict(zip(self.bodies, q, strict=True)))
+        return {name: tuple(map(_moving, given[name] if isinstance(given[name], tuple) else (given[name],))) for name in self.placed}
+
+    @cached_property
+    def by_energy(self) -> bool:
+        """Whether the machine says a matrix of inertia or a kinetic energy, and not where bodies are."""
+        q = dict(zip(self.bodies, self.start, strict=True))
+        return inertia_of_machine(self.model, dict(q)) is not None or kinetic_of_machine(self.model, q, dict(q)) is not None
+
+    @cached_property
+    def has_places(self) -> bool:
+        """Whether the machine says where bodies are."""
+        return places_of_machine(self.model, 0.0, dict(zip(self.bodies, self.start, strict=True))) is not None
+
+    def slopes(self, t: Numeric, q: Numbers) -> list[dict[str, Parts]]:
+        """For each coordinate, by body the derivatives of its place."""
+        n, slopes = len(q), []
+        for j in range(n):
+            moved = self.along(t, [Moving(x, 1.0 if k == j else 0.0) for k, x in enumerate(q)])
+            slopes.append({name: tuple(part.rate for part in place) for name, place in moved.items()})
+        return slopes
+
+    def moved(self, t: Numeric, q: Numbers, u: Numbers) -> dict[str, tuple[Moving, ...]]:
+        """Places with their velocities, and their accelerations while the coordinates' rates stay as they are."""
+        return self.along(t, [Moving(x, v) for x, v in zip(q, u, strict=True)])
+
+    def inertias(self, name: str) -> Parts:
+        """What resists acceleration in each part of a body's place: its mass, twice, and its moment of inertia."""
+        body = self.placed[name]
+        return (body.mass, body.mass, body.inertia)
+
+    # ---- motion ----
+    def matrix(self, t: Numeric, q: Numbers) -> tuple[Parts, ...]:
+        """The matrix of inertia."""
+        if self.by_energy:
+            return self._energies.matrix(q)
+        slopes, n = self.slopes(t, q), len(self.bodies)
+
+        def entry(i: int, j: int) -> Any:
+            return total(
+                product(m, product(a, b))
+                for name in self.placed
+                for m, a, b in zip(self.inertias(name), slopes[i][name], slopes[j][name], strict=False)
+            )
+
+        upper = {(i, j): entry(i, j) for i in range(n) for j in range(i, n)}
+        return tuple(tuple(upper[min(i, j), max(i, j)] for j in range(n)) for i in range(n))
+
+    @cached_property
+    def _energies(self) -> Energies:
+        return Energies(self.model, self.bodies)
+
+    def pushed(self, t: Numeric, q: Numbers, force: Numbers) -> Parts:
+        """Accelerations that generalized forces make: the solution of M a = force."""
+        return solved(self.matrix(t, q), force)
+
+    def applied(self, t: Numeric, q: Numbers, u: Numbers, z: Numbers | None = None) -> list[Any]:
+        """Generalized forces but friction, with what velocities do."""
+        x, v = self._named(t, q, u)
+        forces: dict[str, Any] = dict.fromkeys(self.bodies, 0.0)
+        controlled = self.controllers.forces(t, x, v, self.controllers.start(t, x, v) if z is None else z)
+        for name, force in (*dict(self.model.forces(t, dict(x), dict(v))).items(), *controlled):
+            forces[name] = forces[name] + force
+        for (first, second), link in self.links.items():
+            other = (0.0, 0.0) if second is None else (x[second], v[second])
+            pull = link.force(x[first] - other[0], v[first] - other[1])
+            forces[first] = forces[first] - pull
+            if second is not None:
+                forces[second] = forces[second] + pull
+        h = [forces[name] for name in self.bodies]
+        if self.by_energy:
+            return [a - b for a, b in zip(h, self._energies.gyroscopic(q, u), strict=True)]
+        slopes, moved = self.slopes(t, q), self.moved(t, q, u)
+        for name in self.placed:
+            net = self.net(name, t, moved[name])
+            for j in range(len(h)):
+                h[j] = total([h[j], *map(product, slopes[j][name], net)])
+        return h
+
+    def net(self, name: str, t: Numeric, place: tuple[Moving, ...]) -> Parts:
+        """Applied forces on a body, less mass times the accelerations that it has while the coordinates' rates stay as they are."""
+        forces = self.forces_on(name, t, place)
+        resisting = (product(m, part.second) for m, part in zip(self.inertias(name), place, strict=False))
+        return tuple(total([force, product(-1.0, inertia)]) for force, inertia in zip(forces, resisting, strict=True))
+
+    def forces_on(self, name: str, t: Numeric, place: tuple[Moving, ...]) -> Parts:
+        """Force of the body itself, and its weight, in each part of its place [N] or [N m]."""
+        body = self.placed[name]
+        x, v = (tuple(getattr(part, what) for part in place) for what in ("value", "rate"))
+        given = body.applied(t, x[0] if len(x) == 1 else x, v[0] if len(v) == 1 else v)
+        own = given if isinstance(given, tuple) else (given,)
+        weight = (0.0,) * len(place) if len(place) == 1 else (0.0, product(-1.0, product(body.mass, self.gravity)), 0.0)
+        return tuple(total([force, w]) for force, w in zip((*own, *(0.0 for _ in range(len(place) - len(own)))), weight, strict=False))
+
+    def accelerations(self, t: Numeric, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> Parts:
+        """Second derivatives of the coordinates under the friction forces."""
+        h = self.applied(t, q, u, z)
+        for row, force in zip(self.rows(t, q), R, strict=True):
+            h = [total([of, product(-1.0, product(g, force))]) for of, g in zip(h, row, strict=True)]
+        return self.pushed(t, q, h)
+
+    # ---- energy ----
+    def kinetic(self, v: Array, x: Array | None = None) -> Array:
+        """Kinetic energy at positions and rates of the coordinates (..., coordinates) [J]."""
+        q, u = tuple(np.moveaxis(np.asarray(x), -1, 0)), tuple(np.moveaxis(np.asarray(v), -1, 0))
+        M = self.matrix(0.0, q)
+        terms = (product(M[i][j], u[i] * u[j]) for i in range(len(u)) for j in range(len(u)))
+        return np.asarray(0.5 * total(terms) + 0.0 * u[0])
+
+    def powers(self, t: Array, x: Array, v: Array, z: Array, column: dict[str, Array]) -> dict[str, Array]:
+        """Drive: of all applied forces but weights, which are gravity's; friction R w of each contact. Springs are among the drive."""
+        q, u, none = tuple(x.T), tuple(v.T), np.zeros_like(t)
+        R, gravity = column["friction_force"], none
+        if not self.by_energy:
+            for name, place in self.moved(t, q, u).items():
+                if len(place) > 1:
+                    gravity = gravity - self.placed[name].mass * self.gravity * place[1].rate
+        gained = total(map(product, self._all_forces(t, q, u, z), u)) + none
+        ground = -(R * (np.array([np.broadcast_to(b, t.shape) for b in self.offsets(t)]).reshape(-1, len(t)).T)).sum(axis=1)
+        works = {"drive": gained - gravity - ground, "gravity": gravity + none, "friction": R * column["slip"]}
+        return {**works, "potential": none, "damping": none, "actuator": none}
+
+    def _all_forces(self, t: Array, q: Numbers, u: Numbers, z: Array) -> Parts:
+        """Generalized forces whose power is what the kinetic energy gains, without friction."""
+        from stickslip.models.contact_forces import held_by_controllers
+
+        held = held_by_controllers(self, z)
+        rates = self.applied(t, q, u, held)
+        if self.by_energy:
+            return tuple(total([a, b]) for a, b in zip(rates, self._energies.gyroscopic(q, u), strict=True))
+        slopes, moved = self.slopes(t, q), self.moved(t, q, u)
+        for name, place in moved.items():
+            inertia = [product(m, part.second) for m, part in zip(self.inertias(name), place, strict=False)]
+            rates = [total([h, *map(product, slopes[j][name], inertia)]) for j, h in enumerate(rates)]
+        return tuple(rates)
+
+
+class _Inertia(NamedTuple):
+    """What resists a coordinate, as a body of a machine on a line has it."""
+
+    mass: Any
+    position: Any = 0.0
+
+
+class Energies:
+    """The matrix of inertia of a machine that says it, or its kinetic energy, and what Lagrange's equations make of it."""
+
+    def __init__(self, model: Any, names: tuple[str, ...]):
+        self.model, self.names = model, names
+        self._direct = inertia_of_machine(model, dict.fromkeys(names, 0.0)) is not None
+
+    def _of(self, q: Numbers, u: Numbers) -> Moving:
+        """Kinetic energy."""
+        named = (dict(zip(self.names, of, strict=True)) for of in (q, u))
+        return _moving(kinetic_of_machine(self.model, *named))
+
+    def _entries(self, q: Numbers) -> list[list[Moving]]:
+        given = inertia_of_machine(self.model, dict(zip(self.names, q, strict=True)))
+        return [[_moving(entry) for entry in row] for row in given]
+
+    def matrix(self, q: Numbers) -> tuple[Parts, ...]:
+        """The matrix; of a kinetic energy its second derivatives by the rates."""
+        if self._direct:
+            return tuple(tuple(entry.value for entry in row) for row in self._entries(q))
+        n = len(q)
+
+        def second(*along: int) -> Any:
+            return self._of(q, [Moving(0.0, 1.0 if k in along else 0.0) for k in range(n)]).second
+
+        own = [second(j) for j in range(n)]
+        both = {(i, j): 0.5 * (second(i, j) - own[i] - own[j]) for i in range(n) for j in range(i + 1, n)}
+        return tuple(tuple(own[i] if i == j else both[min(i, j), max(i, j)] for j in range(n)) for i in range(n))
+
+    def gyroscopic(self, q: Numbers, u: Numbers) -> Parts:
+        """d/dt(dT/du) - dT/dq while the rates stay as they are."""
+        n = len(q)
+        half = []
+        for j in range(n):
+            if self._direct:
+                slope = self._entries([Moving(x, 1.0 if k == j else 0.0) for k, x in enumerate(q)])
+                half.append(product(0.5, total(product(slope[i][k].rate, product(u[i], u[k])) for i in range(n) for k in range(n))))
+            else:
+                half.append(self._of([Moving(x, 1.0 if k == j else 0.0) for k, x in enumerate(q)], u).rate)
+        return tuple(total([a, product(-1.0, b)]) for a, b in zip(self.rate(q, u), half, strict=True))
+
+    def rate(self, q: Numbers, u: Numbers) -> Parts:
+        """dM/dt u."""
+        n, path = len(q), [Moving(x, v) for x, v in zip(q, u, strict=True)]
+        if self._direct:
+            M = self._entries(path)
+            return tuple(total(product(M[j][k].rate, u[k]) for k in range(n)) for j in range(n))
+        base, own = self._of(path, u).second, self.matrix(q)
+        seconds = (self._of(path, [Moving(v, 1.0 if k == j else 0.0) for k, v in enumerate(u)]).second for j in range(n))
+        return tuple(0.5 * (second - base - own[j][j]) for j, second in enumerate(seconds))
+
+
+def _moving(value: Any) -> Moving:
+    return value if isinstance(value, Moving) else Moving(value)

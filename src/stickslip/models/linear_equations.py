@@ -1,0 +1,63 @@
+"""Sums, products and linear equations of floats, arrays or symbols, in which a plain zero costs nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+
+def is_nothing(value: Any) -> bool:
+    """Whether a value is a plain zero, and neither a symbol nor an array."""
+    return isinstance(value, (int, float)) and value == 0
+
+
+def product(a: Any, b: Any) -> Any:
+    """a times b; a plain zero or one is not multiplied.
+
+    Examples
+    --------
+    >>> product(0.0, float("nan")), product(1.0, 3.0), product(2.0, 3.0)
+    (0.0, 3.0, 6.0)
+    """
+    if is_nothing(a) or is_nothing(b):
+        return 0.0
+    if isinstance(a, float) and a == 1.0:
+        return b
+    return a if isinstance(b, float) and b == 1.0 else a * b
+
+
+def total(terms: Iterable[Any]) -> Any:
+    """The sum of terms, without plain zeros.
+
+    Examples
+    --------
+    >>> total([0.0, 2.0, 3.0]), total([])
+    (5.0, 0.0)
+    """
+    whole: Any = 0.0
+    for term in terms:
+        whole = term if is_nothing(whole) else whole if is_nothing(term) else whole + term
+    return whole
+
+
+def solved(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> tuple[Any, ...]:
+    """The solution of linear equations with a symmetric, positive definite matrix, by elimination without pivots.
+
+    Examples
+    --------
+    >>> solved(((2.0, 1.0), (1.0, 3.0)), (3.0, 5.0))
+    (0.8, 1.4)
+    """
+    n, rows, b = len(right), [list(row) for row in matrix], list(right)
+    for p in range(n):
+        for i in range(p + 1, n):
+            if is_nothing(rows[i][p]):
+                continue
+            factor = rows[i][p] / rows[p][p]
+            for k in range(p, n):
+                rows[i][k] = 0.0 if k == p else total([rows[i][k], product(-1.0, product(factor, rows[p][k]))])
+            b[i] = total([b[i], product(-1.0, product(factor, b[p]))])
+    for p in reversed(range(n)):
+        b[p] = total([b[p], *(product(-1.0, product(rows[p][k], b[k])) for k in range(p + 1, n))])
+        b[p] = 0.0 if is_nothing(b[p]) else b[p] / rows[p][p]
+    return tuple(b)

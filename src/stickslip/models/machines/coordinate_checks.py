@@ -1,0 +1,192 @@
+"""Consistency checks of a machine that names coordinates of its own; all errors are reported together."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Mapping
+from typing import Any
+
+from stickslip.basics.errors import Problems, did_you_mean
+from stickslip.basics.fields import checked_number, everywhere
+from stickslip.basics.time_rates import Moving
+from stickslip.models.any_coordinates import AnyCoordinates, inertia_of_machine, kinetic_of_machine, places_of_machine
+from stickslip.models.forces import check_law
+from stickslip.models.machines.parts import Body, Contact
+from stickslip.models.placed_contacts import PlacedContact
+
+_SAME = 1e-9  # of its size: how much a row may differ from place to place
+_FLAT = 1e-12  # of the product of a matrix's diagonal: a determinant that is zero
+_LOOKS = 3
+_PLACES = 'def places(self, t, q): return {"cart": (q["x"], 0.0)}'
+
+
+def check_coordinates(machine: Any, problems: Problems) -> None:
+    """Note what is wrong with coordinates, places, contacts and links, and a matrix of inertia that has no inverse."""
+    names = machine.coordinates
+    if not isinstance(names, tuple) or not names or not all(isinstance(name, str) for name in names) or len(set(names)) < len(names):
+        problems.add(f'coordinates = {names!r}; allowed is a tuple of different names; type coordinates = ("x", "angle")')
+        return
+    for what in ("stops", "controllers"):
+        if getattr(machine, what)():
+            problems.add(
+                f"{what}() of a machine with coordinates of its own are not there yet; allowed are bodies on a line; leave them out"
+            )
+    for name, body in machine.bodies().items():
+        if not isinstance(body, Body):
+            problems.add(f"bodies()[{name!r}] = {body!r}; allowed is a Body; type {name!r}: ss.Body(mass=0.07)")
+    for ends in machine.links():
+        for end in ends if isinstance(ends, tuple) and len(ends) == 2 else (ends,):
+            if end is not None and end not in names:
+                problems.add(f"links()[{ends!r}]: {end!r} is not a coordinate, which links join; {did_you_mean(str(end), names)}")
+    if machine.principal is not None and machine.principal not in names:
+        problems.add(f"principal = {machine.principal!r}; allowed is None or a coordinate; {did_you_mean(str(machine.principal), names)}")
+    if not problems.mistakes:
+        _check_sources(machine, names, problems)
+    for name, contact in machine.contacts().items():
+        _check_contact(name, contact, machine, problems)
+    if not problems.mistakes:
+        _check_numbers(AnyCoordinates(machine), problems)
+
+
+def _check_sources(machine: Any, names: tuple[str, ...], problems: Problems) -> None:
+    """Note that not one of places, a matrix of inertia and a kinetic energy is given, or places that lack a body."""
+    q = dict.fromkeys(names, 0.0)
+    try:
+        given = {
+            "places": places_of_machine(machine, 0.0, dict(q)),
+            "inertia": inertia_of_machine(machine, dict(q)),
+            "kinetic": kinetic_of_machine(machine, dict(q), dict(q)),
+        }
+        forces = machine.forces(0.0, dict(q), dict(q))
+    except KeyError as error:
+        problems.add(f"{error} is not a coordinate; {did_you_mean(str(error.args[0]), names)}")
+        return
+    said = [what for what, value in given.items() if value is not None]
+    if len(said) != 1:
+        words = f"{' and '.join(said)} are given" if said else "neither places nor inertia nor kinetic is given"
+        problems.add(f"{words}; allowed is one of them, which says what moves; type {_PLACES}")
+        return
+    for name in forces:
+        if name not in names:
+            problems.add(f"forces() has {name!r}, which is not a coordinate; {did_you_mean(str(name), names)}")
+    bodies = machine.bodies()
+    if said == ["places"]:
+        places = given["places"]
+        for name in {**bodies, **places}:
+            if name not in bodies or name not in places:
+                where = "places() has" if name in places else "bodies() has"
+                other = "bodies" if name in places else "places"
+                problems.add(f"{where} {name!r}, and {other}() has not; allowed are the same names in both")
+        for name, place in places.items():
+            if isinstance(place, tuple) and len(place) not in (1, 2, 3):
+                problems.add(f"places()[{name!r}] has {len(place)} parts; allowed is a number, (x, z) or (x, z, angle)")
+    elif said == ["inertia"]:
+        n, rows = len(names), given["inertia"]
+        if (
+            not isinstance(rows, (tuple, list))
+            or len(rows) != n
+            or any(not isinstance(row, (tuple, list)) or len(row) != n for row in rows)
+        ):
+            problems.add(f"inertia(q) gives {rows!r}; allowed is a tuple of {n} rows of {n} numbers, in the order of {', '.join(names)}")
+
+
+def _is_square(rows: Any, n: int) -> bool:
+    given = isinstance(rows, (tuple, list)) and len(rows) == n
+    return given and all(isinstance(row, (tuple, list)) and len(row) == n for row in rows)
+
+
+def _check_contact(name: Any, contact: Any, machine: Any, problems: Problems) -> None:
+    where, names = f"contacts()[{name!r}]", machine.coordinates
+    if not isinstance(contact, Contact):
+        problems.add(f"{where} = {contact!r}; allowed is a Contact; type {name!r}: ss.Contact({names[0]!r}, friction, load=1.0)")
+        return
+    bodies = machine.bodies() if not problems.mistakes and places_of_machine(machine, 0.0, dict.fromkeys(names, 0.0)) is not None else {}
+    if isinstance(contact.body, Mapping):
+        for each, g in contact.body.items():
+            if each not in names:
+                problems.add(f"{where}.body has a coefficient of {each!r}, which is not a coordinate; {did_you_mean(str(each), names)}")
+            checked_number(f"{where}.body[{each!r}]", g, problems, None, "a coefficient", f"{{{each!r}: 0.5}}")
+    elif contact.body not in bodies and contact.body not in names:
+        problems.add(f"{where}.body = {contact.body!r}; {did_you_mean(str(contact.body), (*bodies, *names))}")
+    of_body = isinstance(contact.body, str) and contact.body in bodies
+    if isinstance(contact.on, str) and not (of_body and contact.on in bodies and contact.on != contact.body):
+        problems.add(f"{where}.on = {contact.on!r}; allowed is another body, for a contact of a body; {did_you_mean(contact.on, bodies)}")
+    if contact.hold not in (None, "both"):
+        problems.add(f'{where}.hold = {contact.hold!r}; contacts that lift off are not there yet; allowed is "both"; type hold="both"')
+    if contact.load is None:
+        problems.add(f"{where}.load is not given; allowed is a force [N], or a function of time and coordinates; type load=1.0")
+    elif not callable(contact.load):
+        checked_number(f"{where}.load", contact.load, problems, None, "a force [N], or a function of time and coordinates", "load=1.0")
+    if contact.restitution is not None:
+        problems.add(f"{where}.restitution = {contact.restitution!r}; contacts that lift off are not there yet; type restitution=None")
+    own = Problems(problems.what)
+    check_law(contact.friction, own)
+    for sentence in own.mistakes:
+        problems.add(f"{where}.{sentence}" if sentence.startswith("friction") else f"{where}: {sentence}")
+
+
+def _check_numbers(m: AnyCoordinates, problems: Problems) -> None:
+    """Note what shows at numbers only: a singular matrix, rows that vary with the place, and places that time moves."""
+    draw = random.Random(20261129)
+    states = [tuple(draw.uniform(-0.9, 0.9) for _ in m.bodies) for _ in range(_LOOKS)]
+    if m.has_places:
+        moved = (part for q in states for place in m.along(Moving(0.3, 1.0), q).values() for part in place)
+        if any(not everywhere(part.rate == 0.0) for part in moved):
+            problems.add(
+                "places() vary with time, and prescribed motions of bodies are not there yet; allowed are functions of coordinates alone; "
+                "type a force that moves the body, in forces(t, q, u)"
+            )
+            return
+    for name in _lost(m, states):
+        problems.add(
+            f"nothing moves with the coordinate {name!r} alone: the matrix of inertia has no inverse; allowed are coordinates that each "
+            "move a body with mass, and of which none follows from the others; leave it out, or give it a mass"
+        )
+    for name, contact in zip(m.contacts, m.touching, strict=True) if not problems.mistakes else ():
+        _check_row(name, contact, states, problems)
+
+
+def _lost(m: AnyCoordinates, states: list[tuple[float, ...]]) -> list[str]:
+    """Coordinates along which elimination finds no inertia left, at all of some states."""
+    lost = []
+    for j, name in enumerate(m.bodies):
+        left = []
+        for q in states:
+            M = m.matrix(0.0, q)
+            own, of_others = M[j][j], [[M[a][b] for b in range(j)] for a in range(j)]
+            before = own
+            if j:
+                from stickslip.models.linear_equations import product, solved, total
+
+                row = [M[j][k] for k in range(j)]
+                if any(not everywhere(abs(of_others[k][k]) > 0) for k in range(j)):
+                    continue
+                own = total([own, *(product(-1.0, product(a, b)) for a, b in zip(row, solved(of_others, row), strict=True))])
+            left.append(everywhere(own > _FLAT * abs(before)))
+        if not any(left):
+            lost.append(name)
+            break
+    return lost
+
+
+def _check_row(name: str, contact: PlacedContact, states: list[tuple[float, ...]], problems: Problems) -> None:
+    where, given = f"contacts()[{name!r}]", contact.contact
+    if contact.of_body:
+        ways = [contact.ways_at(q) for q in states]
+        moves = [j for j in range(len(states[0])) if any(not everywhere(abs(x) + abs(z) == 0) for at in ways for x, z in at[j : j + 1])]
+        if given.hold == "both" and len(moves) != 1:
+            own = ", ".join(repr(contact.mechanics.bodies[j]) for j in moves) or "no coordinate"
+            problems.add(
+                f"{where} holds {given.body!r} on both sides, and {own} move it against what it rubs on; allowed is one coordinate; "
+                'type a contact of coordinates, such as ss.Contact({"x": 1.0}, law, load=1.0)'
+            )
+            return
+        rows = [contact.row_at(q) for q in states]
+        if any(not everywhere(abs(a - b) <= _SAME * (abs(a) + abs(b))) for row in rows for a, b in zip(row, contact.row, strict=True)):
+            problems.add(
+                f"{where}: what its slip takes of the coordinates' rates varies with the place, which is not there yet; allowed are rows "
+                'that do not; type a contact of coordinates, such as ss.Contact({"x": 1.0}, law, load=1.0)'
+            )
+            return
+    if not any(not everywhere(g == 0) for g in contact.row):
+        problems.add(f'{where}: no coordinate moves it, so that nothing decides its slip; type ss.Contact({{"x": 1.0}}, law, load=1.0)')

@@ -1,0 +1,282 @@
+"""Machines in coordinates of their own: places of bodies, a matrix of inertia, or a kinetic energy."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from rows import each_row
+from stickslip.basics.errors import InputError
+from stickslip.maths import cos, pi, sin
+
+COULOMB = ss.Coulomb(0.1, 0.1)
+LUGRE = ss.friction.LuGre(0.1, 0.1, 0.1, 0.1, sigma0=1e5, sigma1=100.0, sigma2=0.0, v_s=0.01)
+
+
+@dataclass(frozen=True, eq=False)
+class CartPole(ss.Machine):
+    """A pendulum on a cart that is pushed to and fro; the rail bears the weight of both."""
+
+    cart: float
+    bob: float
+    length: float
+    push: float
+    omega: float
+    friction: Any
+    coordinates = ("x", "angle")
+
+    @property
+    def period(self):
+        return 2 * pi / self.omega
+
+    def bodies(self):
+        return {"cart": ss.Body(self.cart), "bob": ss.Body(self.bob)}
+
+    def places(self, t, q):
+        return {"cart": (q["x"], 0.0), "bob": (q["x"] + self.length * sin(q["angle"]), -self.length * cos(q["angle"]))}
+
+    def forces(self, t, q, u):
+        return {"x": self.push * sin(self.omega * t)}
+
+    def contacts(self):
+        return {"rail": ss.Contact("cart", self.friction, load=(self.cart + self.bob) * 9.81)}
+
+
+class ByMatrix(CartPole):
+    """The same by its matrix of inertia; the weight is a force."""
+
+    def bodies(self):
+        return {}
+
+    def places(self, t, q):
+        return None
+
+    def inertia(self, q):
+        c = self.bob * self.length * cos(q["angle"])
+        return ((self.cart + self.bob, c), (c, self.bob * self.length**2))
+
+    def forces(self, t, q, u):
+        return {"x": self.push * sin(self.omega * t), "angle": -9.81 * self.bob * self.length * sin(q["angle"])}
+
+    def contacts(self):
+        return {"rail": ss.Contact("x", self.friction, load=(self.cart + self.bob) * 9.81)}
+
+
+class ByEnergy(ByMatrix):
+    """The same by its kinetic energy."""
+
+    def inertia(self, q):
+        return None
+
+    def kinetic(self, q, u):
+        along, up = u["x"] + self.length * cos(q["angle"]) * u["angle"], self.length * sin(q["angle"]) * u["angle"]
+        return 0.5 * self.cart * u["x"] ** 2 + 0.5 * self.bob * (along**2 + up**2)
+
+
+@dataclass(frozen=True, eq=False)
+class Arm(ss.Machine):
+    """Two links with moments of inertia about their middles, with friction in both joints."""
+
+    friction: Any
+    torque: float = 6.0
+    omega: float = 3.0
+    coordinates = ("shoulder", "elbow")
+
+    @property
+    def period(self):
+        return 2 * pi / self.omega
+
+    def bodies(self):
+        return {"upper": ss.Body(1.2, inertia=0.03), "lower": ss.Body(0.8, inertia=0.02)}
+
+    def places(self, t, q):
+        a, b = q["shoulder"], q["shoulder"] + q["elbow"]
+        x, z = 0.5 * sin(a), -0.5 * cos(a)
+        return {"upper": (0.5 * x, 0.5 * z, a), "lower": (x + 0.2 * sin(b), z - 0.2 * cos(b), b)}
+
+    def forces(self, t, q, u):
+        return {"shoulder": self.torque * sin(self.omega * t)}
+
+    def contacts(self):
+        return {name: ss.Contact(name, self.friction, load=load) for name, load in (("shoulder", 8.0), ("elbow", 4.0))}
+
+
+@dataclass(frozen=True, eq=False)
+class ModeCoupling(ss.Machine):
+    """A pad on two springs whose height decides how strongly it is pressed on a belt (Hoffmann 2002)."""
+
+    k1: float
+    k2: float
+    k3: float
+    friction: Any
+    coordinates = ("x", "y")
+    time_scale = 1.5
+
+    def inertia(self, q):
+        return ((1.0, 0.0), (0.0, 1.0))
+
+    def bodies(self):
+        return {}
+
+    def forces(self, t, q, u):
+        a, b = np.deg2rad(150), np.deg2rad(30)
+        k11 = self.k1 * np.cos(a) ** 2 + self.k2 * np.cos(b) ** 2
+        k12 = self.k1 * np.sin(a) * np.cos(a) + self.k2 * np.sin(b) * np.cos(b)
+        k22 = self.k1 * np.sin(a) ** 2 + self.k2 * np.sin(b) ** 2 + self.k3
+        along = -k11 * q["x"] - k12 * q["y"] - 0.1 * u["x"]
+        return {"x": along, "y": -k12 * q["x"] - k22 * q["y"] - 0.1 * u["y"] - 10.0}
+
+    def contacts(self):
+        return {"pad": ss.Contact("x", self.friction, on=-1.0, load=lambda t, q: -self.k3 * q["y"])}
+
+
+POLE, START = CartPole(1.0, 0.3, 0.5, 4.0, 5.0, COULOMB), {"x": {"angle": 0.5}, "v": {}}
+ARM = Arm(ss.Coulomb(0.2, 0.2))
+
+
+def by_hand_pole(q, u):
+    """Matrix of inertia and what is on the other side, without friction and push, of the cart with pendulum."""
+    c, s, ml = np.cos(q[1]), np.sin(q[1]), 0.3 * 0.5
+    return np.array([[1.3, ml * c], [ml * c, ml * 0.5]]), np.array([ml * s * u[1] ** 2, -9.81 * ml * s])
+
+
+def by_hand_arm(q, u):
+    """The same of two links: Spong and Vidyasagar's planar elbow, angles from the downward vertical."""
+    m1, m2, l1, c1, c2, i1, i2, g = 1.2, 0.8, 0.5, 0.25, 0.2, 0.03, 0.02, 9.81
+    c, h = np.cos(q[1]), m2 * l1 * c2 * np.sin(q[1])
+    M11 = m1 * c1**2 + m2 * (l1**2 + c2**2 + 2 * l1 * c2 * c) + i1 + i2
+    M12 = m2 * (c2**2 + l1 * c2 * c) + i2
+    g1 = (m1 * c1 + m2 * l1) * g * np.sin(q[0]) + m2 * c2 * g * np.sin(q[0] + q[1])
+    g2 = m2 * c2 * g * np.sin(q[0] + q[1])
+    right = [h * (2 * u[0] * u[1] + u[1] ** 2) - g1, -h * u[0] ** 2 - g2]
+    return np.array([[M11, M12], [M12, m2 * c2**2 + i2]]), np.array(right)
+
+
+@each_row(
+    "machine, by_hand",
+    [(POLE, by_hand_pole), (ByMatrix(1.0, 0.3, 0.5, 4.0, 5.0, COULOMB), by_hand_pole),
+     (ByEnergy(1.0, 0.3, 0.5, 4.0, 5.0, COULOMB), by_hand_pole), (ARM, by_hand_arm)],
+    ids=["places", "matrix", "kinetic energy", "two links"],
+)  # fmt: skip
+def test_equations_are_those_by_hand(machine, by_hand):
+    """Matrix and accelerations at 1000 random states; sums of a few products: 1e-13 of their size."""
+    draw, m = np.random.default_rng(20261129), machine.mechanics
+    for q, u in draw.uniform(-2.0, 2.0, (1000, 2, 2)):
+        M, h = by_hand(q, u)
+        assert np.allclose(np.array(m.matrix(0.0, tuple(q))), M, rtol=0, atol=1e-14)
+        assert np.allclose(
+            m.accelerations(0.0, tuple(q), tuple(u), (0.0,) * len(m.contacts)), np.linalg.solve(M, h), rtol=1e-12, atol=1e-11
+        )
+
+
+@each_row("law, end, rtol", [(COULOMB, (0.2832083, 0.70112725), 1e-9), (LUGRE, (0.28927224, 0.70470768), 1e-9)], ids=["Coulomb", "LuGre"])
+def test_a_cart_with_a_pendulum_is_that_of_scipy(law, end, rtol):
+    """Five periods by hand-written SciPy programs, of rtol 1e-11 (events) and 1e-9 (Radau)."""
+    run = ss.solve(POLE.replace(friction=law), periods=5, start=START, rtol=rtol)
+    assert np.allclose(run.x[-1], end, rtol=0, atol=3e-8)
+
+
+def test_three_ways_to_say_it_are_one_machine():
+    """Places, matrix and kinetic energy: runs of five periods agree to rounding that grows tenfold or so in a period."""
+    ends = [ss.solve(made(1.0, 0.3, 0.5, 1.5, 5.0, COULOMB), periods=5, start=START).x[-1] for made in (CartPole, ByMatrix, ByEnergy)]
+    assert np.allclose(ends[1:], ends[0], rtol=0, atol=1e-11)
+
+
+@each_row(
+    "machine, start, periods",
+    [(POLE.replace({"push": 1.5}), START, 6), (ARM, {"x": {"elbow": 0.4}}, 6)],
+    ids=["cart and pole", "two links"],
+)  # fmt: skip
+def test_runs_are_those_of_the_judge(machine, start, periods):
+    """The same events at the same instants to 1e-10, with rest and break-away, over more than 20 events."""
+    run, judge = (ss.solve(machine, periods=periods, start=start, **given) for given in ({}, {"method": "dop853", "rtol": 1e-12}))
+    assert len(run.events) == len(judge.events) > 20
+    assert {e.kind for e in run.events} >= {"stick", "slip"}
+    assert max(abs(a.t - b.t) for a, b in zip(run.events, judge.events, strict=True)) < 1e-10
+    assert np.allclose(run.x[-1], judge.x[-1], rtol=0, atol=1e-10)
+
+
+def test_the_energy_of_machines_of_any_coordinates_is_balanced_to_rounding():
+    for machine, start in ((POLE, START), (ByEnergy(1.0, 0.3, 0.5, 1.5, 5.0, COULOMB), START), (ARM, {"x": {"elbow": 0.4}})):
+        assert np.max(abs(ss.energy(ss.solve(machine, periods=5, start=start)).residual)) < 1e-13
+
+
+def test_what_rests_rests_exactly():
+    run = ss.solve(POLE.replace({"push": 1.5}), periods=6, start=START)
+    rests = run.contacts["rail"].mode == 0
+    assert rests.any() and np.all(run.v[rests, 0] == 0.0)
+    assert np.all(abs(run.contacts["rail"].friction_force[rests]) <= 0.1 * 1.3 * 9.81 * (1 + 1e-12))
+
+
+def test_a_small_oscillation_of_cart_and_pole_has_the_frequency_by_hand():
+    """Without friction omega^2 = (1 + m/M) g/l; half a period later an angle of 1e-5 is at the other side."""
+    free = POLE.replace({"push": 0.0, "friction.mu_plus": 0.0, "friction.mu_minus": 0.0})
+    half = np.pi / np.sqrt(1.3 * 9.81 / 0.5)
+    run = ss.solve(free.replace({"omega": np.pi / half}), periods=1, start={"x": {"angle": 1e-5}})
+    assert run.at(np.array([half]))["x"][0, 1] == pytest.approx(-1e-5, rel=1e-9)
+
+
+def test_a_load_from_another_coordinate_is_that_of_scipy():
+    """60 s of the mode-coupling brake by a hand-written SciPy program: -0.01178742, -0.53052123."""
+    run = ss.solve(ModeCoupling(11.0, 20.0, 11.0, ss.Coulomb(0.4, 0.4)), duration=60.0, start={"x": {"y": -0.5}})
+    assert np.allclose(run.x[-1], (-0.01178742, -0.53052123), rtol=0, atol=2e-8)
+
+
+def test_bodies_are_where_places_say():
+    run = ss.solve(POLE, periods=2, start=START)
+    angle, bob = run.coordinates["angle"], run.bodies["bob"]
+    assert list(run.bodies) == ["cart", "bob"] and angle[0] == 0.5
+    assert np.allclose(bob.x, run.coordinates["x"] + 0.5 * np.sin(angle), rtol=0, atol=1e-15)
+    assert np.allclose(bob.z, -0.5 * np.cos(angle), rtol=0, atol=1e-15)
+    assert np.allclose(bob.v_z, 0.5 * np.sin(angle) * run.v[:, 1], rtol=0, atol=1e-14)
+    assert np.all(run.bodies["cart"].z == 0.0) and np.all(ss.solve(ARM, periods=1).bodies["upper"].angle[:1] == 0.0)
+
+
+def test_an_orbit_a_sweep_and_the_mirror_image_go_through_the_same_doors():
+    orbit = ss.periodic_orbit(POLE)
+    assert orbit.residual < 1e-12 and np.all(abs(orbit.multipliers) < 1)
+    grid = ss.sweep(POLE, length=[0.4, 0.5], periods=3, settle=0)
+    assert grid.sizes["length"] == 2 and np.all(grid["status"] == 0)
+    run, other = ss.solve(POLE, periods=3, start=START), ss.solve(ss.mirrored(POLE), periods=3, start={"x": {"angle": -0.5}})
+    assert np.allclose(run.x[-1], -other.x[-1], rtol=0, atol=1e-12)
+    text = ss.latex(POLE)
+    assert r"\ddot x_{x} \left(\mathrm{bob} + \mathrm{cart}\right)" in text and r"v_{\mathrm{angle}}^{2}" in text
+
+
+def with_(**methods):
+    """The cart and pole with other methods."""
+    return type("Other", (CartPole,), methods)
+
+
+RAIL = lambda self: {"rail": ss.Contact("cart", self.friction, load=1.0)}  # noqa: E731
+
+
+@each_row(
+    "changed, words",
+    [
+        ({"coordinates": ("x", "x")}, 'type coordinates = ("x", "angle")'),
+        ({"places": lambda self, t, q: {"cart": (q["x"], 0.0), "bob": (q["x"], 1.0)}}, "nothing moves with the coordinate 'angle' alone"),
+        ({"places": lambda self, t, q: {"cart": (q["y"], 0.0)}}, "'y' is not a coordinate"),
+        ({"places": lambda self, t, q: {"cart": (q["x"], 0.0)}}, "bodies() has 'bob', and places() has not"),
+        ({"places": lambda self, t, q: None}, "neither places nor inertia nor kinetic is given"),
+        ({"inertia": lambda self, q: ((1.0, 0.0), (0.0, 1.0))}, "places and inertia are given"),
+        ({"places": lambda self, t, q: {"cart": (q["x"], 0.0), "bob": (q["x"] + sin(q["angle"]), sin(t))}}, "places() vary with time"),
+        ({"forces": lambda self, t, q, u: {"y": 1.0}}, "forces() has 'y', which is not a coordinate"),
+        ({"contacts": lambda self: {"rail": ss.Contact({"y": 1.0}, self.friction, load=1.0)}}, "'y', which is not a coordinate"),
+        ({"contacts": lambda self: {"rail": ss.Contact({"x": 0.0}, self.friction, load=1.0)}}, "nothing decides its slip"),
+        ({"contacts": lambda self: {"rail": ss.Contact("cart", self.friction)}}, "type load=1.0"),
+        ({"contacts": lambda self: {"rail": ss.Contact("bob", self.friction, load=1.0)}}, "varies with the place, which is not there yet"),
+        ({"contacts": lambda self: {"rail": ss.Contact("cart", self.friction, load=1.0, hold="push")}}, "contacts that lift off"),
+        ({"stops": lambda self: {("x", None): ss.Stop(gap=0.1, restitution=0.5)}}, "stops() of a machine with coordinates"),
+        ({"links": lambda self: {("bob", None): ss.Spring(3.0)}}, "'bob' is not a coordinate, which links join"),
+        ({"principal": "bob"}, "principal = 'bob'"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_with_coordinates_is_said_with_what_to_type(changed, words):
+    with pytest.raises(InputError, match=re.escape(words)):
+        with_(**changed)(1.0, 0.3, 0.5, 4.0, 5.0, COULOMB)
