@@ -339,18 +339,30 @@ def test_a_zero_far_beyond_what_friction_can_make_up_for_is_found(law):
 # how sure ---------------------------------------------------------------------------------------------------------
 
 
-def test_a_search_goes_on_where_nothing_but_noise_is_left():
-    """At another place the residuals are as small as the noise allows, to a per cent, and mu0 is off by ten standard errors there."""
-    amplitudes = [5e-4, 8e-4]
-    records = [ss.virtual_rig(RIG(tilt_deg=1.7, amplitude=A), noise=1e-3, seed=i) for i, A in enumerate(amplitudes)]
+AMPLITUDES = [5e-4, 8e-4]
+TRUTH = {"mu0": 0.18, "f0": 0.21, "v_s": 2e-3, "sigma2": 0.04}
+
+
+@pytest.fixture(scope="module")
+def hidden():
+    """The fit of what another place of its parameters fits as well, to a per cent: mu0 is off by ten standard errors there."""
+    records = [ss.virtual_rig(RIG(tilt_deg=1.7, amplitude=A), noise=1e-3, seed=i) for i, A in enumerate(AMPLITUDES)]
     free = {"mu0": (0.05, 0.5), "f0": (0.05, 0.6), "v_s": (2e-4, 2e-2, "log"), "sigma2": (0.0, 1.0)}
-    truth = {"mu0": 0.18, "f0": 0.21, "v_s": 2e-3, "sigma2": 0.04}
-    fit = ss.identify(records, RIG, free=free, tilt_deg=1.7, amplitude=amplitudes)
-    near = polished(fit.problem, fit.problem.aligned(fit.problem.parameters.point(truth)))
-    assert fit.cost < near.cost + 0.1 * fit.scale**2
-    for name in ("mu0", "f0", "v_s"):
-        low, high = fit.interval(name, 0.999)
-        assert low < truth[name] < high
+    return ss.identify(records, RIG, free=free, tilt_deg=1.7, amplitude=AMPLITUDES)
+
+
+def test_a_search_goes_on_where_nothing_but_noise_is_left(hidden):
+    near = polished(hidden.problem, hidden.problem.aligned(hidden.problem.parameters.point(TRUTH)))
+    assert hidden.cost < near.cost + 0.1 * hidden.scale**2
+    low, high = hidden.interval("mu0", 0.999)
+    assert low < TRUTH["mu0"] < high
+
+
+@pytest.mark.slow
+def test_the_other_intervals_hold_the_truth_too_where_nothing_but_noise_is_left(hidden):
+    for name in ("f0", "v_s"):
+        low, high = hidden.interval(name, 0.999)
+        assert low < TRUTH[name] < high
 
 
 def squared(a):
