@@ -39,6 +39,7 @@ from stickslip.dynamics.stroboscopic.strobe_maps import (
 )  # fmt: skip
 from stickslip.models.machine_adapter import is_machine, machine_of
 from stickslip.models.model_adapter import adapter_of
+from stickslip.models.rounding import without_rounding
 from stickslip.models.switching_flow import SwitchingFlow
 from stickslip.solvers.plain.composed_flows import mode_of_strobe_state
 
@@ -177,7 +178,7 @@ class PeriodicOrbit(ClosedMotion):
     def _facts(self) -> dict[str, Any]:
         patterns = self.patterns if len(self.patterns) > 1 else {"motion type": self.type, "pattern": self.pattern}
         return {
-            "mean velocity": f"{self.mean_velocity:.9g} {unit_of('v', self.model)}",
+            "mean velocity": f"{without_rounding(self.mean_velocity, self.model):.9g} {unit_of('v', self.model)}",
             **{name: text.replace("-", "−") for name, text in patterns.items()},
             "repeats after": f"{self.period} drive period{'s' * (self.period != 1)}",
             "stability": f"{self.stability}; {self._multipliers_text}",
@@ -187,8 +188,9 @@ class PeriodicOrbit(ClosedMotion):
         state = ", ".join(f"{name} = {value:.9g}" for name, value in zip(self.names, self.state, strict=True))
         single = self.run.pieces.layout.single
         kind = f"type {self.type}" if single else ", ".join(f"{name} {pattern}" for name, pattern in self.patterns.items())
+        way = f"{without_rounding(self.mean_velocity, self.model):.9g} {unit_of('v', self.model)}"
         return (
-            f"<PeriodicOrbit: period {self.period}, {kind}, V = {self.mean_velocity:.9g} m/s, "
+            f"<PeriodicOrbit: period {self.period}, {kind}, V = {way}, "
             f"{self.stability} ({self._multipliers_text}), strobe state {state}, residual {self.residual:.1e}>"
         )
 

@@ -14,6 +14,7 @@ from stickslip.dynamics.continuation.branches import Branch
 from stickslip.dynamics.stroboscopic.strobe_maps import strobe_states
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.model_adapter import adapter_of
+from stickslip.models.rounding import without_rounding
 from stickslip.show.figures.special_kinds import marker_of, name_once
 from stickslip.show.figures.style import COLOURS, INK, axes, axis_label, dot_size, drawing, labelled, legend_above, scaled
 
@@ -36,6 +37,9 @@ def continuation(
     special: bool = True,
 ) -> Any:
     """Branches of periodic orbits: stable parts as solid lines, unstable ones dashed, special points marked.
+
+    Small dots are the orbits that were computed. The curve between them is interpolated without overshoot (by PCHIP, over the length
+    of the branch); a kink that is no special point is drawn rounded.
 
     A branch of period p shows the strobe points of all its p drive periods where `observable` is a coordinate of the state.
 
@@ -127,7 +131,7 @@ _OF_CYCLES = OBSERVABLES | {
     "v": "velocity at the turning point $v$", "x": "turning point of the spring $x$", "z": "bristle at the turning point $z$",
     "duration": "duration of the cycle",
 }  # fmt: skip
-_ROUNDING = 1e-9  # relative to the velocity scale: a smaller mean velocity is rounding, and drawn as zero
+_BETWEEN = 12  # points of a drawn curve from one orbit of a branch to the next
 
 
 def _values(branch: Any, observable: str) -> Any:
@@ -139,7 +143,7 @@ def _values(branch: Any, observable: str) -> Any:
     if observable not in first.names or branch.period == 1 or first.model.period is None:
         values = branch.points[observable].values.astype(float)
         if observable == "mean_velocity":
-            values[abs(values) < _ROUNDING * np.array([np.max(machine_of(o.model).velocity_scale) for o in branch.orbits])] = 0.0
+            values = np.array([without_rounding(value, o.model) for value, o in zip(values, branch.orbits, strict=True)])
         return values[:, None]
     return np.array([_strobed(orbit, observable) for orbit in branch.orbits])
 
@@ -161,8 +165,31 @@ def _line(ax: Axes, branch: Any, observable: str, values: Array, right: float, u
         for state, style in ((True, _STABLE), (False, _UNSTABLE)):
             keep = stable == state
             keep = keep | np.roll(keep, 1) & (np.arange(len(keep)) > 0)  # the parts meet where the stability changes
-            ax.plot(np.where(keep, x, np.nan), np.where(keep, column, np.nan), color=colour, zorder=4, **style)
+            for part in _runs_of(keep):
+                ax.plot(*_curve(x[part], column[part]), color=colour, zorder=4, **style)
+                ax.plot(x[part], column[part], "o", color=colour, markersize=2.6, markeredgewidth=0, zorder=4)
     ax.plot([], [], color=colour, label=name)
+
+
+def _runs_of(keep: Array) -> list[slice]:
+    """The stretches of a mask that are True."""
+    ends = np.flatnonzero(np.diff(np.concatenate([[False], keep, [False]]).astype(int)))
+    return [slice(a, b) for a, b in zip(ends[::2], ends[1::2], strict=True)]
+
+
+def _curve(x: Array, y: Array) -> tuple[Array, Array]:
+    """A dense curve through some points of a branch, in their order; a jump to NaN is left as it is."""
+    if len(x) < 3 or not np.isfinite(x).all() or not np.isfinite(y).all():
+        return x, y
+    from scipy.interpolate import PchipInterpolator
+
+    steps = np.hypot(np.diff(x) / (np.ptp(x) or 1.0), np.diff(y) / (np.ptp(y) or 1.0))
+    keep = np.concatenate([[True], steps > 0])  # two orbits at one place
+    if keep.sum() < 3:
+        return x, y
+    along = np.concatenate([[0.0], np.cumsum(steps)])[keep]
+    dense = np.interp(np.linspace(0, len(along) - 1, _BETWEEN * (len(along) - 1) + 1), np.arange(len(along)), along)
+    return PchipInterpolator(along, x[keep])(dense), PchipInterpolator(along, y[keep])(dense)
 
 
 def _with_changes(branch: Any, observable: str, values: Array) -> tuple[Any, Any, Any]:

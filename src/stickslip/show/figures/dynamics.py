@@ -28,6 +28,8 @@ from stickslip.show.figures.style import (
     scaled,
 )
 
+#: Extreme velocities of two motions are alike within this part of the largest.
+_ALIKE = 1e-3
 #: Colours of starts on no attractor.
 _NO_ATTRACTOR = {"not settled": UNSETTLED, "runs away": "#F2F2F2", "not solved": "#D9D9D9"}
 
@@ -37,8 +39,10 @@ def bifurcation(diagram: Grid, observable: str | None = None, ax: Ax = None) -> 
     """A brute-force bifurcation diagram; upward and downward sweeps side by side in two colours, so that hysteresis shows.
 
     Both sweeps are drawn over each other: the upward one with open rings, the downward one with dots inside them, so that where both have
-    the same motion a ring has its dot, and where they differ either stands alone. Grey crosses are points of motions that have not
-    settled; the legend has their share.
+    the same motion a ring has its dot, and where they differ either stands alone. Where the downward sweep is on the mirror image of the
+    upward one, which a machine that is alike in both directions has beside every motion, its dots are squares of another colour: this is no
+    hysteresis. It is seen from the mean velocity and the extreme velocities, which change their signs. Grey crosses are points of
+    motions that have not settled; the legend has their share.
 
     Parameters
     ----------
@@ -72,14 +76,17 @@ def bifurcation(diagram: Grid, observable: str | None = None, ax: Ax = None) -> 
     (right, side), (up, mark) = scaled(across.values, across.attrs.get("units", "1")), scaled(y.values, unit)
     ax = axes(ax, height=2.6)
     size, several = dot_size(diagram.sizes[across.name]), diagram.sizes["direction"] > 1
-    unsettled = float((diagram.motion == "not settled").mean())
+    unsettled, twins = float((diagram.motion == "not settled").mean()), _mirror_twins(diagram)
     for i, direction in enumerate(diagram.direction.values):
         part, late = y.sel(direction=direction), diagram.motion.sel(direction=direction) == "not settled"
         x, values = across.broadcast_like(part).values * right, part.values * up
         still = late.broadcast_like(part).values
-        style = _sweep_style(i, size, several)
-        ax.plot(x[~still], values[~still], **style, rasterized=True, zorder=2 + i)
+        style, twin = _sweep_style(i, size, several), twins.broadcast_like(part).values & (i == 1)
+        ax.plot(x[~still & ~twin], values[~still & ~twin], **style, rasterized=True, zorder=2 + i)
         ax.plot([], [], **_sweep_style(i, 4.0, several), label=str(direction))
+        if twin.any():
+            ax.plot(x[twin], values[twin], **_TWIN | {"markersize": 0.8 * size}, rasterized=True, zorder=2 + i)
+            ax.plot([], [], **_TWIN | {"markersize": 3.5}, label="down, mirror image of up")
         ax.plot(x[still], values[still], UNSETTLED_MARK, color=UNSETTLED, markersize=max(size, 2.0), markeredgewidth=0.5, zorder=5)
     if unsettled:
         ax.plot([], [], UNSETTLED_MARK, color=UNSETTLED, markersize=4, label=f"not settled, {100 * unsettled:.2g} %")
@@ -88,6 +95,24 @@ def bifurcation(diagram: Grid, observable: str | None = None, ax: Ax = None) -> 
     ax.set_ylabel(axis_label(OBSERVABLES.get(observable, y.attrs.get("long_name", observable)), unit, mark))
     legend_above(ax, ncols=2, handletextpad=0.2)
     return ax
+
+
+_TWIN: dict[str, Any] = {"marker": "s", "linestyle": "", "markeredgewidth": 0, "color": COLOURS[2]}
+
+
+def _mirror_twins(diagram: Any) -> Any:
+    """Whether the downward sweep is on the mirror image of the upward one, which is another motion, at each value of the parameter."""
+    needed = {"mean_velocity", "v_max", "v_min"}
+    if diagram.sizes["direction"] < 2 or not needed <= set(diagram) or any(diagram[name].ndim > 2 for name in needed):
+        return diagram.motion.isel(direction=0) == "no motion"
+    up, down = ({name: diagram[name].isel(direction=k) for name in needed} for k in (0, 1))
+    size = np.maximum(abs(up["v_max"]), abs(up["v_min"])) * _ALIKE
+    mirrored = (
+        (abs(up["mean_velocity"] + down["mean_velocity"]) < size)
+        & (abs(up["v_max"] + down["v_min"]) < size)
+        & (abs(up["v_min"] + down["v_max"]) < size)
+    )
+    return mirrored & ((abs(up["v_max"] - down["v_max"]) > size) | (abs(up["mean_velocity"] - down["mean_velocity"]) > size))
 
 
 def _sweep_style(i: int, size: float, several: bool) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from stickslip.basics.units import SI, quantity_of
 from stickslip.inverse.identification.comparing import Comparison
 from stickslip.inverse.identification.fit import Fit
 from stickslip.records.record import Record
-from stickslip.show.figures.style import COLOURS, DASHES, INK, axes, drawing, legend_above, prefix
+from stickslip.show.figures.style import COLOURS, DASHES, INK, axes, drawing, legend_above, prefix, scaled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -68,7 +68,7 @@ def record(record: Record, channel: str | None = None, ax: Ax = None) -> Any:
     ax = axes(ax)
     values = abs(shown.values) if np.iscomplexobj(shown.values) else np.asarray(shown.values, float)
     unit = SI.get(quantity_of(shown.unit) or "")
-    factor, letter = prefix(shown.si[np.isfinite(values)]) if unit else (1.0, "")
+    factor, letter = scaled(shown.si[np.isfinite(values)], unit or "")
     t, y = _outline(np.asarray(shown.t, float), shown.si * factor if unit else values)
     ax.plot(t, y, color=COLOURS[0], linewidth=0.6, rasterized=True)
     label = f"{letter}{unit}" if unit else shown.unit

@@ -21,7 +21,7 @@ from stickslip.models.state_layout import of_one_contact
 from stickslip.results.datasets import names_of_parts
 from stickslip.results.trajectory import Trajectory
 from stickslip.show.figures.flow_runs import flow_phase
-from stickslip.show.figures.style import COLOURS, DASHES, INK, SHADE, axes, drawing, legend_above, prefix
+from stickslip.show.figures.style import COLOURS, DASHES, INK, SHADE, axes, drawing, legend_above, prefix, scaled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -122,7 +122,7 @@ def sticking_intervals(run: Trajectory, start: float, end: float) -> list[tuple[
 
 def _finish(ax: Axes, drawn: Sequence[Any], more: Sequence[Any] = ()) -> Any:
     """Add a legend above the axes: the names of several curves, and additional handles."""
-    curves = ax.get_legend_handles_labels()[0] if len(drawn) > 1 else []
+    curves = [line for line in ax.get_legend_handles_labels()[0] if line not in more] if len(drawn) > 1 else []
     if curves or more:
         handles = [*curves, *more]
         legend_above(ax, handles=handles, ncols=min(len(handles), _columns(handles)), columnspacing=1.4)
@@ -142,6 +142,25 @@ def _shade(ax: Axes, rests: list[tuple[float, float]], start: float, factor: flo
     for a, b in rests:
         ax.axvspan((a - start) * factor, (b - start) * factor, color=SHADE, linewidth=0, zorder=0)
     return [Patch(facecolor=SHADE, edgecolor=INK, linewidth=0.3, label=f"{name} sticks".lstrip())] if rests else []
+
+
+_REST: dict[str, Any] = {
+    "color": INK,
+    "linewidth": 0.7,
+    "linestyle": (0, (4, 2)),
+    "zorder": 1.5,
+    "label": "here the contact rests",
+}
+
+
+def _at_rest(run: Trajectory, t: Array) -> Array | None:
+    """The velocity of the body at which its only contact rests, where that is not zero: that of a belt, or of a shaken track."""
+    if not run.pieces.layout.single or not run.contacts:
+        return None
+    columns = run.with_axes.at(t)
+    v = columns["v"][:, 0]
+    velocity: Array = v - columns["slip"][:, 0]
+    return velocity if np.max(np.abs(velocity)) > 1e-9 * np.max(np.abs(v)) else None
 
 
 def clock(run: Trajectory, length: float) -> tuple[float, str]:
@@ -199,7 +218,7 @@ def velocity(
     names, spans = _labels(runs, labels), [span(r, periods, duration) for r in runs]
     curves = _sampled(runs, names, spans, "v", "body")
     time, seconds = prefix(*(b - a for a, b in spans))
-    factor, unit = prefix(*(v for *_, v in curves))
+    factor, unit = scaled(np.concatenate([v for *_, v in curves]), unit_of("v", runs[0].model))
     ax = axes(ax)
     rested = [] if _parts(runs[0], "body") else sticking_intervals(runs[0], *spans[0])
     shaded = _shade(ax, rested, spans[0][0], time, names[0] if len(runs) > 1 else "")
@@ -210,6 +229,9 @@ def velocity(
     for i, (name, number, t, v) in enumerate(curves):
         since = t - spans[number][0]
         ax.plot(since * time, v * factor, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
+    moments = np.linspace(*spans[0], 400)
+    if (rest := _at_rest(runs[0], moments)) is not None:
+        shaded += ax.plot((moments - spans[0][0]) * time, rest * factor, **_REST)
     time_axis(ax, runs[0], spans[0], time, seconds)
     ax.set_ylabel(f"velocity $v$ ({unit}{unit_of('v', runs[0].model)})")
     return _finish(ax, curves, shaded)
@@ -266,18 +288,22 @@ def phase(
     spans = [span(r, _shown(r) if periods is None else periods, duration) for r in runs]
     parts = _by_part(runs, names, "body")
     names, orbits = [name for name, _, _ in parts], [_orbit(runs[i], spans[i], own) for _, i, own in parts]
-    across, metres = prefix(*(s for s, _, _, _ in orbits))
-    up, unit = prefix(*(v for _, v, _, _ in orbits))
+    across, metres = scaled(np.concatenate([s for s, _, _, _ in orbits]), unit_of("x", runs[0].model))
+    up, unit = scaled(np.concatenate([v for _, v, _, _ in orbits]), unit_of("v", runs[0].model))
     ax = axes(ax, height=2.5)
     ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
+    more = [_strobe_word()] if runs[0].model.period is not None else []
     for i, ((s, v, strobe_s, strobe_v), name) in enumerate(zip(orbits, names, strict=True)):
         ax.plot(s * across, v * up, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
         marker: dict[str, Any] = {"markersize": 4, "color": "white", "markeredgecolor": COLOURS[i % 7], "markeredgewidth": 1.1}
         ax.plot(strobe_s * across, strobe_v * up, "o", zorder=9, **marker)
+    rest = _at_rest(runs[0], np.linspace(*spans[0], 50))
+    if rest is not None and np.ptp(rest) < 1e-9 * np.max(np.abs(rest)):
+        more.append(ax.axhline(rest[0] * up, **_REST))
     ax.set_xlabel(f"{_displacement(runs[0].model)} ({metres}{unit_of('x', runs[0].model)})")
     ax.set_ylabel(f"velocity $v$ ({unit}{unit_of('v', runs[0].model)})")
     ax.margins(0.06)
-    return _finish(ax, orbits, [_strobe_word()] if runs[0].model.period is not None else [])
+    return _finish(ax, orbits, more)
 
 
 def _displacement(model: Model) -> str:

@@ -141,9 +141,19 @@ def axis_label(text: str, unit: str, factor_prefix: str = "") -> str:
     return text if unit in ("", "1") and not factor_prefix else f"{text} ({factor_prefix}{unit})"
 
 
+#: Units that take no SI prefix on an axis: a number without one, and angles, which are read in rad.
+_AS_THEY_ARE = ("", "1", "degrees", "rad", "rad/s", "rad/s^2", "rad/s²")
+
+
 def scaled(values: ArrayLike, unit: str) -> tuple[float, str]:
-    """The scale factor and SI prefix of an axis with a unit; numbers without a unit are not scaled."""
-    return prefix(values) if unit not in ("", "1", "degrees") else (1.0, "")
+    """The scale factor and SI prefix of an axis with a unit; angles, their rates and numbers without a unit are not scaled.
+
+    Examples
+    --------
+    >>> scaled([0.002], "m/s"), scaled([0.2, 0.6], "rad/s")
+    ((1000.0, 'm'), (1.0, ''))
+    """
+    return (1.0, "") if unit in _AS_THEY_ARE else prefix(values)
 
 
 def labelled(column: Any, factor_prefix: str = "") -> str:

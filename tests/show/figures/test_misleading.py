@@ -1,0 +1,83 @@
+"""What a figure must not suggest: hysteresis where there are mirror twins, polygons, prefixes of angles, a rest at zero on a belt."""
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+import stickslip as ss
+from rows import each_row
+
+TWIN = "down, mirror image of up"
+
+
+@pytest.fixture(autouse=True)
+def closed():
+    yield
+    plt.close("all")
+
+
+def words(ax):
+    return [text.get_text() for text in ax.get_legend().get_texts()] if ax.get_legend() else []
+
+
+def sweep(**down):
+    """A diagram whose upward sweep has one-sided motions; the downward one has the same, but for what is given."""
+    law = ss.Coulomb(mu_plus=0.1, mu_minus=0.1)
+    oscillator = ss.ForcedOscillator(mass=1.0, stiffness=1.0, damping=0.0, friction=law, load=1.0, force=1.0, omega=1.0)
+    diagram = ss.bifurcation(oscillator, parameter="omega", values=[0.5, 0.6], settle=20, points=2)
+    up = {"mean_velocity": 0.1, "v_max": 0.5, "v_min": -0.3}
+    for k, sweep in enumerate((up, up | down)):
+        for name, value in sweep.items():
+            diagram[name][k] = value
+    return diagram
+
+
+@each_row(
+    ("down", "is_twin"),
+    [
+        ({"mean_velocity": -0.1, "v_max": 0.3, "v_min": -0.5}, True),
+        ({"mean_velocity": 0.2, "v_max": 0.7, "v_min": -0.3}, False),  # hysteresis
+        ({"mean_velocity": -0.1, "v_max": 0.5, "v_min": -0.3}, False),
+        ({}, False),  # the same motion
+    ],
+)
+def test_a_mirror_twin_is_told_apart_from_hysteresis(down, is_twin):
+    assert (TWIN in words(ss.plot.bifurcation(sweep(**down), "mean_velocity"))) == is_twin
+
+
+def test_a_branch_is_a_curve_through_its_orbits():
+    branch = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=7e-4, stop=8e-4, tilt_deg=1.7, law="coulomb")
+    ax = ss.plot.continuation(branch, "mean_velocity", special=False)
+    curve = max((line for line in ax.lines if line.get_marker() == "None"), key=lambda line: len(line.get_xdata()))
+    x, y = curve.get_data()
+    assert len(x) > 5 * len(branch.values)
+    at = np.argsort(x)
+    factor = y[0] / branch.points.mean_velocity.values[0]
+    seen = np.interp(branch.values * 1e6, x[at], y[at])
+    assert seen == pytest.approx(factor * branch.points.mean_velocity.values, rel=1e-6)
+    fine = [ss.mean_velocity(ss.solve(branch.orbits[0].model.replace({"drive.amplitude": a}), 200)) for a in (7.13e-4, 7.77e-4)]
+    assert np.interp([713.0, 777.0], x[at], y[at]) == pytest.approx(factor * np.array(fine), rel=1e-3)  # and between them
+
+
+def test_the_velocity_at_which_a_contact_rests_is_drawn_where_it_is_not_zero():
+    law = ss.Coulomb(mu_plus=0.2, mu_minus=0.2, f_plus=0.4, f_minus=0.4)
+    belt = ss.solve(ss.BlockOnBelt(mass=1.0, stiffness=1.0, speed=0.2, load=1.0, friction=law), duration=20.0)
+    for draw in (ss.plot.velocity, ss.plot.phase):
+        ax = draw(belt)
+        (rest,) = (line for line in ax.lines if line.get_label() == "here the contact rests")
+        assert np.allclose(rest.get_ydata(), 200.0) and "here the contact rests" in words(ax)  # mm/s
+    robot = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), periods=20)
+    assert not any(line.get_label() == "here the contact rests" for line in ss.plot.velocity(robot).lines)
+
+
+def test_angles_have_no_prefix_and_a_zero_has_one_digit():
+    joint = ss.solve(ss.presets.servo(), duration=2.0)
+    ax = ss.plot.phase(joint)
+    assert (ax.get_xlabel()[-5:], ax.get_ylabel()[-7:]) == ("(rad)", "(rad/s)")
+    assert ax.figure.dpi == 300
+    law = ss.Coulomb(mu_plus=0.4, mu_minus=0.4)
+    oscillator = ss.ForcedOscillator(mass=1.0, stiffness=1.0, damping=0.0, friction=law, load=1.0, force=1.0, omega=0.5)
+    assert "V = 0 m/s" in repr(ss.periodic_orbit(oscillator))
