@@ -713,7 +713,15 @@ def _velocity_map_of_flow(c):
     assert ax.get_xlabel() and ax.figure.axes[-1].get_ylabel().startswith(f"max {c.machine.states[0]}")
 
 
+def _study_of_flow(c):
+    first = f"mean_{c.machine.states[0]}"
+    grid = ss.sweep(c.machine, **c.axis, **c.length, out=c.folder / "study")
+    again, plain = ss.open_study(c.folder / "study"), ss.sweep(c.machine, **c.axis, **c.length)
+    assert np.array_equal(again[first].values, grid[first].values) and np.array_equal(plain[first].values, grid[first].values)
+
+
 _OF_FLOW = {
+    "a study folder": _study_of_flow,
     "plot.velocity_map": _velocity_map_of_flow,
     "ss.energy": _energy_of_flow, "ss.check": _check_of_flow, "run.save, ss.load": _save_of_flow, "plot.contacts": _contacts_of_flow,
     "plot.forces": _forces_of_flow, "ss.dynamics.strobe": _strobe_of_flow, "ss.dynamics.spectrum": _spectrum_of_flow,

@@ -330,14 +330,14 @@ def test_what_is_wrong_with_a_flow_and_its_door_is_said_at_once(ball):
         ss.dynamics.passage(ball.replace(r=[0.1, 0.2]), [1.0, 0.0], 0, 1.0)
     with pytest.raises(ss.InputError, match=r"has no period, and no run .*: switches accumulate"):
         ss.basins(ball, height=[1.0])
-    with pytest.raises(ss.InputError, match="out is not known of a flow, whose sweeps are kept in memory; leave it out"):
-        ss.sweep(ball, r=[0.1, 0.2], out="folder")
     with pytest.raises(
         ss.InputError, match=r"(?s)5 problems.*rtol = 1;.*workers = 0;.*slip_ratio is not known.*observe is.*type duration=60.0"
     ):
         ss.solve(ball, start=[1.0, 0.0], rtol=1, workers=0, slip_ratio=0.5, observe={})
-    with pytest.raises(ss.InputError, match=r"(?s)3 problems.*rtol = 1;.*tile is not known.*retries is not known"):
-        ss.sweep(ball, r=[0.1, 0.2], duration=1.0, rtol=1, tile=5, retries=2)
+    with pytest.raises(ss.InputError, match=r"(?s)2 problems.*rtol = 1;.*slip_ratio is not known of a flow"):
+        ss.sweep(ball, r=[0.1, 0.2], duration=1.0, rtol=1, slip_ratio=0.5)
+    with pytest.raises(ss.InputError, match="continue_along is not known of a flow; leave it out"):
+        ss.sweep(ball, r=[0.1, 0.2], duration=1.0, continue_along="r")
     with pytest.raises(ss.InputError, match=r"its states have no names.*states=\('x', 'v'\)"):
         ss.periodic_orbit(ss.SwitchingFlow(field, period=1.0), guess=[1.0, 0.0])
 

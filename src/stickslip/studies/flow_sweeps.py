@@ -1,135 +1,115 @@
-"""A sweep of a switching flow, with its numbers and its initial state as axes."""
+"""What a sweep of a switching flow has beside the columns of every model: numbers of its states, by their names."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from stickslip.basics.batch import cases_of, shape_of
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems
-from stickslip.basics.interruption import partial_result
-from stickslip.basics.jsontext import as_plain
 from stickslip.basics.pool import shared
-from stickslip.basics.status import STATUS, Status
+from stickslip.basics.status import Status
 from stickslip.solvers import solve
 from stickslip.solvers.flow_requests import flow_request
 from stickslip.solvers.flow_solving import flow_columns
-from stickslip.solvers.named_events import event_columns, events_of_model, refuse_terminal
-from stickslip.solvers.settings import Settings, check_rtol
-from stickslip.studies.execution import Execution
-from stickslip.studies.progress import Watch
+from stickslip.solvers.named_events import event_columns, events_of_model
+from stickslip.solvers.settings import Settings
+from stickslip.studies.models_of_points import starts_at
+from stickslip.studies.result_columns import COLUMNS, unknown
 from stickslip.studies.self_excited import flow_motion_columns, settled_after
-from stickslip.studies.space import Space, space_of
-
-if TYPE_CHECKING:
-    from stickslip.models.switching_flow import SwitchingFlow
 
 
-_START = "start."
+def start_of_flow(flow: Any, start: Any, problems: Problems) -> dict[str, Any]:
+    """Initial values by the names of the states; of a flow without names by their places."""
+    if start is None or isinstance(start, dict):
+        return dict(start or {})
+    values = np.asarray(start, float) if isinstance(start, (list, tuple, np.ndarray)) else np.zeros(())
+    names = tuple(map(str, range(len(values)))) if values.ndim and flow.states is None else (*(flow.states or ()), *flow.inner)
+    if values.ndim != 1 or len(values) not in (len(names), len(flow.states or names)):
+        problems.add(f"start = {start!r}; allowed is a dict, or a list of one number for each state; type start={{'x': 0.1}}")
+        return {}
+    return {name: float(value) for name, value in zip(names, values, strict=False)}
 
 
-#: Arguments of sweeps that are of machines alone.
-_IN_MEMORY, _OF_MACHINES = ("out", "resume", "shard"), ("tile", "client", "retries", "slip_ratio", "dwell", "observe")
+def own_columns(flow: Any, start: dict[str, Any], options: dict[str, Any]) -> tuple[str, ...]:
+    """The names of all columns of a flow, in their order."""
+    names = flow.names(len(start) + len(flow.inner) if flow.states is None else len(flow.states) + len(flow.inner))
+    columns = [f"{what}_{name}" for what in ("mean", "min", "max", "end") for name in names]
+    columns += ["end_mode", "switches", *(["mean_velocity"] if flow.cyclic else [])]
+    cycles = settled_after("sweep", flow, options["settle"], options["duration"]) is not None
+    columns += ["period"] if flow.period is not None or cycles else []
+    if cycles:
+        columns += ["motion_type", "duration"]
+        columns += [*(f"amplitude_{name}" for name in names), *(f"fraction_{mode}" for mode in flow.modes)]
+    return (*columns, "status")
 
 
-def sweep_of_flow(
-    flow: Any, designs: Sequence[Any], axes: dict[str, Any], settings: Settings, how: Execution, along: str | None = None
-) -> Any:
-    """The dataset: for each case the result of `solve` with ``keep="summary"``."""
-    import xarray as xr
-
-    _check(settings, how, along)
-    space = space_of(flow, designs, axes)
-    settle = settled_after("sweep", flow, settings.settle, settings.duration)
-    case = _cases(flow, space, settings if settle is None else replace(settings, settle=None), settle)
-    watch, rows = Watch(space.cases, how.progress), [dict[str, Any]() for _ in range(space.cases)]
-    with partial_result() as ending:
-        for k, columns in shared(case, range(space.cases), how.workers):
-            rows[k] = columns
-            watch.finished(k, np.array([columns["status"]]))
-    whole = {name: _column(rows, name).reshape(space.shape) for name in max(rows, key=len, default={}) or {"status": 0}}
-    data = {name: (space.dims, values, _attributes(name)) for name, values in whole.items()}
-    coords = {name: (column.dims, column.values) for name, column in space.coords.items()}
-    coords |= {name: ((), float(value)) for name, value in flow.numbers.items() if name not in coords and np.ndim(value) == 0}
-    told = {name: getattr(settings, name) for name in ("periods", "settle", "method", "duration")}
-    attributes = {"settings": json.dumps(as_plain(told | {"start": str(settings.start)}))}
-    if ending.interrupted:
-        attributes["notes"] = json.dumps({ending.note(Status.NOT_COMPUTED.sentence): sum(not columns for columns in rows)})
-    return xr.Dataset(data, coords, attributes)
+def columns_of_flows(flow: Any, start: dict[str, Any], options: dict[str, Any], workers: int, count: int) -> dict[str, Array]:
+    """The columns of a batch, or of one flow: for each case the result of `solve` with ``keep="summary"``, and of its cycle and events."""
+    settle = settled_after("sweep", flow, options["settle"], options["duration"])
+    flows = cases_of(flow) if shape_of(flow) else [flow] * count
+    case = _case(flow, start, options, settle)
+    rows: list[dict[str, Any]] = [{} for _ in flows]
+    for k, columns in shared(lambda k: case(flows[k], k), range(len(flows)), workers):
+        rows[k] = columns
+    return {name: _column(rows, name) for name in dict.fromkeys(name for row in rows for name in row)}
 
 
-def _check(settings: Settings, how: Execution, along: str | None) -> None:
-    """Note everything that is not of flows, together with what is wrong."""
-    problems, named = Problems("sweep"), ["continue_along"] if along is not None else []
-    check_rtol(settings.rtol, problems)
-    problems.whole("workers", how.workers, 1, example=2)
-    named += [name for name in (*settings.differing(), *how.differing()) if name in (*_IN_MEMORY, *_OF_MACHINES)]
-    for name in named:
-        why = ", whose sweeps are kept in memory" if name in _IN_MEMORY else ""
-        problems.add(f"{name} is not known of a flow{why}; leave it out")
-    problems.check()
-
-
-def _cases(flow: SwitchingFlow, space: Space, settings: Settings, settle: float | None) -> Callable[[int], dict[str, Any]]:
+def _case(flow: Any, start: dict[str, Any], options: dict[str, Any], settle: float | None) -> Callable[[Any, int], dict[str, Any]]:
     """The function that computes the columns of one case; with `settle`, those of its motion after that time too."""
-    varying, fixed = space.at(np.arange(space.cases)), space.fixed
-    numbers, first = ({name: value for name, value in of.items() if not name.startswith(_START)} for of in (varying, fixed))
-    starts, begun = ({name.removeprefix(_START): v for name, v in of.items() if name.startswith(_START)} for of in (varying, fixed))
-    flow, start, watched = flow.replace(first), settings.start, events_of_model("sweep", flow, settings.events)
-    refuse_terminal("sweep", watched)
-    if (starts or begun) and start is not None and not isinstance(start, dict):
-        raise InputError("sweep", [f"start = {start!r} beside axes of the start; allowed is a dict; type start={{'x': 0.1}}"])
+    settings, watched = settings_of_flow(options, settle), events_of_model("sweep", flow, options.get("events"))
 
-    def asked(k: int) -> Any:
-        own = {**(start or {}), **begun, **{name: float(values[k]) for name, values in starts.items()}} if starts or begun else start
-        return flow_request(flow.replace({name: float(values[k]) for name, values in numbers.items()}), replace(settings, start=own))
-
-    def case(k: int) -> dict[str, Any]:
+    def case(one: Any, k: int) -> dict[str, Any]:
         try:
-            todo = asked(k)
+            todo = flow_request(one, replace(settings, start=begun_at(one, starts_at(start, np.array([k])))))
         except InputError:
             return {"status": Status.BAD_INPUT}
-        start, length = todo.start[0], float(todo.lengths[0])
-        columns = flow_columns(todo.model, start, todo.modes[0], length, float((todo.settle * todo.span)[0]) if settle is None else settle)
+        begun, length = todo.start[0], float(todo.lengths[0])
+        columns = flow_columns(todo.model, begun, todo.modes[0], length, float((todo.settle * todo.span)[0]) if settle is None else settle)
         if columns["status"] != 0 or (settle is None and not watched):
             return columns
-        run = solve(todo.model, duration=length, start=start, mode=todo.modes[0], keep="trajectory")
+        run = solve(todo.model, duration=length, start=begun, mode=todo.modes[0], keep="trajectory")
         columns |= event_columns(run, watched)
         return columns if settle is None else columns | flow_motion_columns(run, settle, todo.model.modes)
 
-    good = np.flatnonzero(np.all([np.isfinite(values) for values in varying.values()], axis=0)) if varying else range(space.cases)
-    if len(good):
-        asked(int(good[0]))  # errors in the arguments are reported before the work
     return case
 
 
+def settings_of_flow(options: dict[str, Any], settle: float | None) -> Settings:
+    """The settings of `solve` for options of a sweep, of which a time to settle is none of its own."""
+    known = {name: value for name, value in options.items() if name != "events"}
+    known |= {} if options["duration"] is None or options["periods"] != 200 else {"periods": None}
+    return Settings(**known | ({} if settle is None else {"settle": None}))
+
+
+def begun_at(flow: Any, start: dict[str, Any]) -> Any:
+    """Initial values of one case as `solve` takes them."""
+    one = {name: float(np.ravel(value)[0]) for name, value in start.items()}
+    return (one or None) if flow.states is not None else [one[name] for name in sorted(one, key=int)] or None
+
+
 def _column(rows: list[dict[str, Any]], name: str) -> Array:
-    """A column over all cases; unsolved or missing cases are NaN, -1, or their status."""
-    if name == "status":
-        return np.array([columns.get("status", Status.NOT_COMPUTED) for columns in rows], np.int8)
-    known = [columns[name] for columns in rows if name in columns]
-    if any(isinstance(value, str) for value in known):
-        return np.array([columns.get(name, "unsolved") for columns in rows])
-    whole = all(isinstance(value, (int, np.integer)) for value in known)
-    return np.array([columns.get(name, -1 if whole else np.nan) for columns in rows])
+    """A column over all cases; those that lack it have no result there."""
+    lacking = unknown(name, 1)[0]
+    return np.array([columns.get(name, lacking) for columns in rows])
 
 
-def _attributes(name: str) -> dict[str, str]:
+def attributes_of_column(name: str) -> dict[str, str]:
     """The attributes of a column."""
-    if name == "motion_type":
-        return {"long_name": "periodic, steady or not settled"}
     what, _, state = name.partition("_")
     long = {
-        "duration": "time until it repeats", "amplitude": f"half of the range of {state} in a cycle",
+        "amplitude": f"half of the range of {state} in a cycle",
         "fraction": f"part of the time in mode {state}",
         "mean": f"mean of {state}", "min": f"smallest {state}", "max": f"largest {state}", "end": f"{state} at the end",
         "switches": "number of switches", "first": f"first instant of {state}", "number": f"how often {state} happens",
-        "period": "periods of the forcing, or turns without one, until it repeats (0: none seen)",
     }  # fmt: skip
-    if name == "status":
-        return {"long_name": "how the run ended", "flag_meanings": "; ".join(f"{k}: {said}" for k, said in STATUS.items())}
     return {"long_name": long.get(what, f"{what} {state}"), "units": "1"}
+
+
+def described_columns(names: tuple[str, ...]) -> dict[str, dict[str, str]]:
+    """Units and meanings of the columns that only flows have."""
+    return {name: attributes_of_column(name) for name in names if name not in COLUMNS}

@@ -23,6 +23,7 @@ from stickslip.models.presets import DIMENSIONLESS
 from stickslip.results.datasets import column_description
 from stickslip.solvers.named_events import column_of
 from stickslip.solvers.request import versions
+from stickslip.studies.flow_sweeps import described_columns
 from stickslip.studies.models_of_points import shared_numbers
 from stickslip.studies.planning import Plan
 from stickslip.studies.result_columns import COLUMNS, base_of, dim_of, unflattened
@@ -48,7 +49,8 @@ def provenance_of(plan: Plan) -> dict[str, Any]:
     settings |= (
         {"events": {name: fingerprint(each).digest for name, each in plan.options["events"].items()}} if plan.options.get("events") else {}
     )
-    kinds = {} if plan.sample is None else {"law": machine_of(plan.sample).law_names, "model": type(plan.sample).__name__}
+    kinds = {} if plan.sample is None else {"model": type(plan.sample).__name__}
+    kinds |= {} if plan.sample is None or plan.of_flow else {"law": machine_of(plan.sample).law_names}
     return {"versions": known, "settings": settings, "kinds": kinds, **plan.space.attributes}
 
 
@@ -68,6 +70,8 @@ def coordinates_of_grid(plan: Plan) -> dict[str, Column]:
     for name, value in plan.space.fixed.items():
         if isinstance(value, (int, float, np.number)) and not isinstance(value, bool) and name not in (*labels, *COLUMNS):
             labels[name] = Column((), np.asarray(float(value)))
+    if plan.of_flow and not callable(plan.make):
+        labels |= {n: Column((), np.asarray(float(v))) for n, v in plan.make.numbers.items() if n not in labels and np.ndim(v) == 0}
     return labels
 
 
@@ -95,6 +99,8 @@ def _units_of(plan: Plan) -> dict[str, str]:
 
 def _described(plan: Plan, numbers: Iterable[str]) -> dict[str, tuple[str, str]]:
     """Names and units of axes and shared numbers, as far as fields and makers give them."""
+    if plan.of_flow:  # its numbers have no units
+        return {}
     axes = {name: axis_of(name, plan.make) for name in coordinates_of_grid(plan)}
     if plan.sample is not None:
         axes |= {name: axis_in(field_description(plan.sample, name)) for name in numbers}
@@ -130,7 +136,7 @@ def user_columns(plan: Plan) -> dict[str, dict[str, str]]:
     for name in plan.options.get("events") or {}:
         known[column_of("first", name)] = {"units": "s", "long_name": f"first instant of {name}"}
         known[column_of("number", name)] = {"units": "1", "long_name": f"how often {name} happens"}
-    return known
+    return described_columns(plan.own) | known
 
 
 def _slope_unit(plan: Plan, slope: Derived) -> str:

@@ -11,7 +11,7 @@ from stickslip.basics.batch import made_model, numbers_by_name, point_by_point
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import is_array, leaves, replace_leaf
-from stickslip.studies.space import START, Space
+from stickslip.studies.space import Space, is_start
 
 
 class Group:
@@ -60,9 +60,9 @@ def _made(
     """Robots for these places. If the maker refuses them together, they are split in halves until the invalid ones are isolated."""
     if not len(at):
         return
-    fixed = {n: v for n, v in fixed.items() if n not in START}
+    fixed = {n: v for n, v in fixed.items() if not is_start(n)}
     try:
-        yield at, batch_of("sweep", make, fixed, {n: v[at] for n, v in numbers.items() if n not in START})
+        yield at, batch_of("sweep", make, fixed, {n: v[at] for n, v in numbers.items() if not is_start(n)})
         return
     except InputError as error:
         if len(at) == 1 or not numbers:
@@ -111,8 +111,8 @@ def starts_at(start: dict[str, Any], places: Array) -> dict[str, Any]:
 
 def _own_start(columns: dict[str, Array], fixed: dict[str, Any], places: Array) -> dict[str, Any]:
     """Initial values that are axes."""
-    varying = {n.partition(".")[2]: columns[n][places] for n in START if n in columns}
-    return varying | {n.partition(".")[2]: fixed[n] for n in START if n in fixed}
+    varying = {n.partition(".")[2]: values[places] for n, values in columns.items() if is_start(n)}
+    return varying | {n.partition(".")[2]: value for n, value in fixed.items() if is_start(n)}
 
 
 def shared_numbers(make: Model | Callable[..., Any], space: Space) -> dict[str, float]:
@@ -134,7 +134,7 @@ def refusals(make: Model | Callable[..., Any], space: Space) -> list[str]:
     """Errors for axis values that the maker refuses whatever the others are: input errors, reported before the work."""
     errors: list[str] = []
     for name, column in space.columns.items():
-        if column.dims != (name,) or not callable(getattr(make, "replace", make)) or name in START:
+        if column.dims != (name,) or not callable(getattr(make, "replace", make)) or is_start(name):
             continue
         values = column.values[np.isfinite(column.values)] if column.values.dtype.kind == "f" else column.values
         sentences = [_said(make, space, name, values, end) for end in (0, -1)]
@@ -145,8 +145,8 @@ def refusals(make: Model | Callable[..., Any], space: Space) -> list[str]:
 
 def _said(make: Model | Callable[..., Any], space: Space, name: str, values: Array, end: int) -> list[str]:
     """The errors of an axis with all others at their first or last finite value."""
-    others = {n: _end(c.values, end) for n, c in space.columns.items() if n not in (name, *START)}
-    fixed = {**{n: v for n, v in space.fixed.items() if n not in START}, **others}
+    others = {n: _end(c.values, end) for n, c in space.columns.items() if n != name and not is_start(n)}
+    fixed = {**{n: v for n, v in space.fixed.items() if not is_start(n)}, **others}
     try:
         if values.dtype.kind != "f":
             for word in values.tolist():

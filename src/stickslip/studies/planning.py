@@ -10,19 +10,21 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.batch import Labels, some_of, spread_over_cases
+from stickslip.basics.batch import Labels, cases_of, some_of, spread_over_cases
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.variables import VARIABLES
 from stickslip.models.machine_adapter import machine_of
+from stickslip.models.model_adapter import adapter_of
 from stickslip.models.observables import by_time_of_computation, checked_observables
 from stickslip.solvers.methods import SLOW
 from stickslip.solvers.named_events import column_of, events_of_model, refuse_terminal
 from stickslip.solvers.settings import Settings
-from stickslip.studies.models_of_points import groups_of_points, refusals
+from stickslip.studies.flow_sweeps import begun_at, own_columns, settings_of_flow, start_of_flow
+from stickslip.studies.models_of_points import groups_of_points, refusals, starts_at
 from stickslip.studies.result_columns import COLUMNS, part_columns
 from stickslip.studies.self_excited import settled_after
-from stickslip.studies.space import Space, space_of
+from stickslip.studies.space import Space, is_start, names_states, space_of
 
 #: Arguments of `solve` that a sweep passes on, with their defaults in a sweep.
 SOLVER: dict[str, Any] = {
@@ -105,18 +107,30 @@ class Plan:
     @cached_property
     def parts(self) -> dict[str, tuple[str, ...]]:
         """Names of the bodies, contacts and stops of the first machine by dimension; empty for one body on one contact."""
-        return {} if self.sample is None else machine_of(self.sample).part_names
+        return {} if self.sample is None or self.of_flow else machine_of(self.sample).part_names
+
+    @property
+    def of_flow(self) -> bool:
+        """Whether its models have states of their own instead of bodies."""
+        return self.sample is not None and not adapter_of(self.sample).has_bodies
+
+    @cached_property
+    def own(self) -> tuple[str, ...]:
+        """The columns of a flow; none of a machine, which has those of `COLUMNS`."""
+        return own_columns(cases_of(self.sample)[0], self.start, self.options) if self.of_flow else ()
 
     @cached_property
     def columns(self) -> tuple[str, ...]:
         """The stored columns, with a separate one for each part."""
+        if self.of_flow:
+            return (*self.own, *(name for name in self.observed if name not in self.own))
         return (*(each for name in COLUMNS for each in part_columns(name, self.parts)), *self.observed)
 
     @property
     def observed(self) -> tuple[str, ...]:
         """Names of user-defined columns: observables, and the first instants and numbers of events."""
         events = [column_of(what, name) for name in self.options.get("events") or () for what in ("first", "number")]
-        return (*(self.options.get("observe") or ()), *events)
+        return (*(name for name in self.own if name not in COLUMNS), *(self.options.get("observe") or ()), *events)
 
     @cached_property
     def sample(self) -> Any:
@@ -138,7 +152,8 @@ def planned(
     """Check all arguments of a sweep, and divide it into tiles."""
     space = space_of(make, designs, axes, [*_ARGUMENTS])
     problems = Problems("sweep")
-    for name in (n for n in dict.fromkeys([*space.columns, *space.dims]) if n in COLUMNS and not n.startswith("alpha_")):
+    taken = () if names_states(make) else tuple(name for name in COLUMNS if not name.startswith("alpha_"))
+    for name in (n for n in dict.fromkeys([*space.columns, *space.dims]) if n in taken):
         problems.add(f"{name} is the name of a result, so no axis may have it; give the maker's argument another name")
     for sentence in refusals(make, space):
         problems.add(sentence)
@@ -146,6 +161,9 @@ def planned(
         problems.add(f"continue_along = {along!r} is not an axis; allowed is one of {', '.join(space.dims) or 'none: there is no axis'}")
     if tile is not None:
         problems.whole("tile", tile, 1, example=4096, what=" of cases")
+    if names_states(make):
+        start = start_of_flow(make, start, problems)
+        problems.add("continue_along is not known of a flow; leave it out") if along is not None else None
     starts = _starts(start, space, problems)
     problems.check()
     plan = Plan(make, space, options, starts, along, 1)
@@ -170,6 +188,8 @@ def _tile(plan: Plan) -> int:
     """A tile size that depends only on the study, so that it can be resumed with a different number of workers."""
     if plan.along:
         return max(1, min(plan._units, 4096 // plan.space.sizes[plan.along] or 1, 256))
+    if plan.of_flow:
+        return _SLOW
     slow = plan.sample is not None and (plan.options["method"] in SLOW or not all(law.compiles for law in machine_of(plan.sample).laws))
     return _SLOW if slow else min(_LARGEST, max(_SMALLEST, plan.cases // 64))
 
@@ -212,6 +232,13 @@ def _check_options(plan: Plan) -> None:
             raise InputError("sweep", list(dict.fromkeys(refused.values())) or ["no robot can be made"])
         return
     settle = settled_after("sweep", plan.sample, plan.options["settle"], plan.options["duration"])
+    if plan.of_flow:
+        first = cases_of(plan.sample)[0]
+        axes = {name.partition(".")[2]: values for name, values in plan.space.at(np.array([0])).items() if is_start(name)}
+        axes |= {name.partition(".")[2]: value for name, value in plan.space.fixed.items() if is_start(name)}
+        start = starts_at(plan.start, np.array([0])) | axes
+        request(first, replace(settings_of_flow(plan.options, settle), start=begun_at(first, start), keep="summary"))
+        return
     options = plan.options if settle is None else {**plan.options, "settle": "auto"}
     request(plan.sample, settings_of(options, keep="summary"))
     if plan.along is not None:

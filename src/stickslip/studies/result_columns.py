@@ -22,10 +22,13 @@ if TYPE_CHECKING:
 #: Prefix of the names of final states, which accompany the columns of cases from which others start.
 END = "end."
 #: Motion types in the order of their codes in files.
-TYPES = ("unsolved", "rest", "presliding", "I", "II", "III", "IV", "other", "stick-slip", "slip", "steady", "not settled")
+TYPES = ("unsolved", "rest", "presliding", "I", "II", "III", "IV", "other", "stick-slip", "slip", "steady", "not settled", "periodic")
 #: Column -> type in memory. In files, floats are unchanged, words become codes, and patterns characters. Quantities of the parts of a
 #: machine are stored in a column for each part, by its index: "velocity_max.0".
 COLUMNS: dict[str, str] = {name: variable.kept for name, variable in VARIABLES.items() if variable.dims[:1] != ("time",)}
+
+#: Columns of flows that are no floats, with their types.
+_WHOLE = {"end_mode": "i8", "switches": "i8"}
 
 
 def base_of(name: str) -> str:
@@ -106,12 +109,12 @@ def is_of_cases(grid: xr.Dataset, name: str) -> bool:
 
 def column_type(name: str) -> str:
     """Type of a column in memory."""
-    return COLUMNS.get(base_of(name), "f8")  # user-defined columns are numbers
+    return COLUMNS.get(base_of(name), _WHOLE.get(name, "f8"))  # user-defined columns are numbers
 
 
 def empty(count: int, names: Iterable[str]) -> dict[str, Array]:
     """Columns of cases without results yet."""
-    return {name: _unknown(name, count) for name in names}
+    return {name: unknown(name, count) for name in names}
 
 
 def vacant(count: int, names: Iterable[str]) -> dict[str, Array]:
@@ -121,17 +124,17 @@ def vacant(count: int, names: Iterable[str]) -> dict[str, Array]:
 
 def with_missing_cases(columns: dict[str, Array], count: int, names: Iterable[str]) -> dict[str, Array]:
     """All columns, in order and with their types (patterns may be shorter), of cases for which some columns are known."""
-    return {name: _typed(columns[name], column_type(name)) if name in columns else _unknown(name, count) for name in names}
+    return {name: _typed(columns[name], column_type(name)) if name in columns else unknown(name, count) for name in names}
 
 
 def _typed(values: Array, kind: str) -> Array:
     return values if kind == "U32" and values.itemsize <= np.dtype(kind).itemsize else values.astype(kind, copy=False)
 
 
-def _unknown(name: str, count: int, shape: tuple[int, ...] = ()) -> Array:
+def unknown(name: str, count: int, shape: tuple[int, ...] = ()) -> Array:
     """A column of cases without results yet, with `shape` for each case."""
     base, kind = base_of(name), column_type(name)
-    nothing = {"motion_type": TYPES[0], "status": Status.NOT_COMPUTED, "steadiness": UNKNOWN, "hits": -1}.get(
+    nothing = {"motion_type": TYPES[0], "status": Status.NOT_COMPUTED, "steadiness": UNKNOWN, "hits": -1, **dict.fromkeys(_WHOLE, -1)}.get(
         base, np.nan if kind == "f8" else None
     )
     return np.zeros(count, kind) if nothing is None else np.full((count, *shape), nothing, kind)
@@ -148,9 +151,7 @@ def concatenated(parts: list[dict[str, Array]]) -> dict[str, Array]:
     known = {name: values for part in parts for name, values in part.items()}
     whole = {}
     for name, like in known.items():
-        whole[name] = np.concatenate(
-            [part[name] if name in part else _unknown(name, len(part["status"]), like.shape[1:]) for part in parts]
-        )
+        whole[name] = np.concatenate([part[name] if name in part else unknown(name, len(part["status"]), like.shape[1:]) for part in parts])
     return whole
 
 
@@ -167,7 +168,7 @@ def coded(name: str, values: Array) -> Array:
 
 def unwritten(name: str, count: int = 1) -> Array:
     """A column of cases without results yet, as written to a file."""
-    return coded(name, _unknown(name, count))
+    return coded(name, unknown(name, count))
 
 
 def words(name: str, values: Array) -> Array:

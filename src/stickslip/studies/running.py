@@ -17,7 +17,6 @@ from stickslip.basics.interruption import interruptible, look, partial_result, t
 from stickslip.basics.pool import shared
 from stickslip.basics.status import Status
 from stickslip.solvers.methods import takes_closed_arcs
-from stickslip.solvers.settings import Settings
 from stickslip.studies.designs import SweepDesign
 from stickslip.studies.execution import Execution
 from stickslip.studies.labelling import dataset, provenance_of
@@ -26,7 +25,6 @@ from stickslip.studies.planning import Plan, planned
 from stickslip.studies.progress import Progress, Watch
 from stickslip.studies.result_columns import all_failed, base_of, empty, vacant
 from stickslip.studies.solving import solved_models
-from stickslip.studies.space import names_states
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -68,9 +66,10 @@ def sweep(
 
     Parameters
     ----------
-    make : callable or Robot
+    make : callable, Robot or SwitchingFlow
         A function that makes a robot from the keyword arguments, such as a preset; or a robot, whose fields then have dotted names:
-        ``sweep(robot, **{"drive.amplitude": [4e-4, 5e-4]})``.
+        ``sweep(robot, **{"drive.amplitude": [4e-4, 5e-4]})``; or a flow, whose columns are the mean, smallest, largest and last value of
+        each state.
     *designs : stickslip.studies.designs.SweepDesign
         Columns that share a dimension: see `stickslip.designs` (zipped, table, sobol, latin_hypercube). They are crossed with the axes.
     periods, duration, settle, rtol, method, slip_ratio, dwell
@@ -139,11 +138,6 @@ def sweep(
         "dwell": dwell,
         "observe": observe,
     }
-    if names_states(make):
-        from stickslip.studies.flow_sweeps import sweep_of_flow
-
-        told = options | {"start": start, "events": events, "periods": None if duration is not None and periods == 200 else periods}
-        return sweep_of_flow(make, designs, axes, Settings(**told), how, continue_along)
     options |= {} if events is None else {"events": events}
     return carried_out(planned(make, designs, axes, start, continue_along, tile, **options), how)
 
@@ -232,6 +226,8 @@ def tiles_of(
     if client is not None:
         from stickslip.studies.cluster import tiles_from
 
+        if plan.of_flow:
+            raise InputError("sweep", ["a flow's functions are not sent to other machines; leave client out, and give workers=2"])
         if plan.observed:
             raise InputError(
                 "sweep", ["observe or events and client cannot go together: functions are not sent to other machines; leave one out"]

@@ -18,6 +18,7 @@ from stickslip.basics.variables import VARIABLES
 from stickslip.engine.closed_arc_conditions import steady_force
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import MachineAdapter, machine_of
+from stickslip.models.model_adapter import adapter_of
 from stickslip.models.observables import by_time_of_computation
 from stickslip.results.part_notes import notes_of_cases
 from stickslip.solvers import coulomb_steady_motions as orbits, events_of_cases, part_results as parts, solved as solved_as_asked
@@ -25,6 +26,7 @@ from stickslip.solvers.closed_arcs import dimensionless_arcs, handles
 from stickslip.solvers.methods import takes_closed_arcs
 from stickslip.solvers.request import request
 from stickslip.solvers.settings import Settings
+from stickslip.studies.flow_sweeps import columns_of_flows
 from stickslip.studies.model_identity import ModelIdentities
 from stickslip.studies.models_of_points import Group, groups_of_points, starts_at
 from stickslip.studies.planning import Plan, settings_of
@@ -84,7 +86,7 @@ def _solved_groups(
                 tell(before + count)
 
         columns = columns_of_group(group, plan.options, workers, begun, notes)
-        if machine_of(group.robot).part_names == plan.parts:
+        if plan.of_flow or machine_of(group.robot).part_names == plan.parts:
             return columns
         notes[_OTHER_PARTS] += len(group.at)
         whole = {name for name in COLUMNS if not VARIABLES[name].dims} | set(plan.observed)
@@ -103,6 +105,8 @@ def _solved_groups(
 
 def kept_columns(plan: Plan) -> tuple[str, ...]:
     """The columns that apply to the robots of a plan."""
+    if plan.of_flow:
+        return plan.columns
     known = plan.sample is not None and bool(_alphas(plan.sample))
     machine = None if plan.sample is None else machine_of(plan.sample)
     cycles = settled_after("sweep", plan.sample, plan.options["settle"], plan.options["duration"]) is not None
@@ -180,6 +184,8 @@ def columns_of(
     Notes on the cases are counted in `notes`.
     """
     count = max([1, *shape_of(robot), *(len(v) for v in start.values() if np.ndim(v))])
+    if not adapter_of(robot).has_bodies:
+        return columns_of_flows(robot, start, options, workers, count)
     if not shape_of(robot) and any(np.ndim(v) for v in start.values()):  # one robot from several initial states
         robot = replace_leaf(robot, {name: np.full(count, value) for name, value in leaves(robot)})
     settle = settled_after("sweep", robot, options["settle"], options["duration"])

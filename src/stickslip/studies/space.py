@@ -22,6 +22,11 @@ from stickslip.studies.designs import SweepDesign
 START = ("start.x", "start.v", "start.z")
 
 
+def is_start(name: str) -> bool:
+    """Whether an axis is an initial value, of a machine or of a state of a flow."""
+    return name.startswith("start.")
+
+
 @dataclass(frozen=True, eq=False)
 class Column:
     """An argument with many values, over some dimensions of the space."""
