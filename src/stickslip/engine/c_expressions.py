@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import ast
 import math
+import re
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import reduce
@@ -34,6 +36,8 @@ _KEYWORDS = {
     "for", "goto", "if", "inline", "int", "long", "register", "restrict", "return", "short", "signed", "sizeof", "static", "struct",
     "switch", "true", "typedef", "union", "unsigned", "void", "volatile", "while",
 }  # fmt: skip
+
+_WORDS = re.compile(r"[A-Za-z_]\w*")
 
 #: What the expressions call besides the functions of mathematics.
 HELPERS = """\
@@ -261,22 +265,18 @@ def without_unread(lines: list[str], names: dict[str, str]) -> tuple[list[str], 
     >>> without_unread(["a = 1;", "b = a;", "return 2;"], {"a": "int64_t", "b": "int64_t"})
     (['return 2;'], {})
     """
-    import re
-    from collections import Counter
-
-    words = re.compile(r"[A-Za-z_]\w*")
     parts = []
     for line in lines:
         name, equals, text = line.strip().partition(" = ")
         gives = name if equals and name in names else ""
-        parts.append((gives, words.findall(text if gives else line)))
+        parts.append((gives, _WORDS.findall(text if gives else line)))
     kept = [True] * len(lines)
     reads = Counter(word for _, read in parts for word in read)
     while True:
         gone = [
             k
             for k, (gives, read) in enumerate(parts)
-            if kept[k] and gives and reads[gives] == read.count(gives) * 1 and not any(w.startswith(("do_", "law_")) for w in read)
+            if kept[k] and gives and reads[gives] == read.count(gives) and not any(w.startswith(("do_", "law_")) for w in read)
         ]
         if not gone:
             break
@@ -284,5 +284,5 @@ def without_unread(lines: list[str], names: dict[str, str]) -> tuple[list[str], 
             kept[k] = False
             reads.subtract(parts[k][1])
     left = [line for line, keep in zip(lines, kept, strict=True) if keep]
-    used = {word for line in left for word in words.findall(line)}
+    used = {word for line in left for word in _WORDS.findall(line)}
     return left, {name: kind for name, kind in names.items() if name in used}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 from stickslip.engine.c_machine import CMachine, c_machine
@@ -55,8 +56,6 @@ def _function(made: CMachine, law: str, name: str, takes: str, given: dict[str, 
     """A function that calls one of the law's with what a lane holds."""
     call = f"law_{law}({', '.join((_GIVEN | (given or {}))[each] for each in made.takes[law])});"
     words = [part.split()[-1].lstrip("*") for part in takes.split(", ")]
-    import re
-
     unused = [word for word in words if not re.search(rf"\b{word}\b", call)]
     return "\n".join([f"static void {name}({takes})", "{", *(f"    (void){word};" for word in unused), f"    {call}", "}", ""])
 

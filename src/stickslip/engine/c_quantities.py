@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from stickslip.basics.maths import pi
 from stickslip.engine.graphs import Along, Copied
 from stickslip.engine.lanes import states_of
 from stickslip.engine.symbolic import Symbolic
@@ -68,7 +69,7 @@ def quantities_of(model: Any, eq: System) -> Quantities:
     for k, i in enumerate(eq.positions):
         kinds[i], owners[i] = "position", owners[k + int(eq.cyclic)]
     states = [Quantity(*each) for each in zip(names, values, kinds, owners, strict=True)]
-    rates, distance = list(eq.f), eq.velocity_scale * eq.period * (0.5 / 3.141592653589793)
+    rates, distance = list(eq.f), eq.velocity_scale * eq.period / (2 * pi)
     typical = [eq.velocity_scale if i < n else None if s is None else s for i, s in enumerate(eq.scales)]
     sizes = [graph.constant(1.0) if s is None else s for s in typical]
     sizes = [distance if kind == "position" else size for kind, size in zip(kinds, sizes, strict=True)]

@@ -130,6 +130,7 @@ def machine_in_c(
         check_period(machine, todo.machine)
         is_pushed = any(name in forces for name in asked)
         model = pushed(machine) if is_pushed else machine
+        _check_compiles(machine, todo.machine.laws, who)
         chosen: Any = method_for(todo.method, model, pauses=True)
         tableau, tolerance = chosen.steps(replace(todo, model=model))
         check_numbers(model)
@@ -163,6 +164,15 @@ def machine_in_c(
         tables=_tables(kernel.layout, eq, stops),
         method="exact" if tableau is None else tableau.name,
     )  # fmt: skip
+
+
+def _check_compiles(machine: Any, laws: Sequence[Any], who: str) -> None:
+    """`InputError` for laws that are plain Python and nothing else: their equations cannot be written down."""
+    plain = sorted({law.name for law in laws if not law.compiles})
+    if plain:
+        what = f"the {type(machine).__name__} has {' and '.join(plain)} friction, which is random or solved in plain Python alone"
+        allowed = "allowed are laws that compile"
+        raise InputError(who, [f"{what}; {allowed}; type for example machine.replace(friction=ss.GMS.example())"])
 
 
 def _asked_inputs(machine: Any, inputs: Any, forces: dict[str, str], by_number: dict[str, str], who: str) -> list[str]:

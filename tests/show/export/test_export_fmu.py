@@ -209,13 +209,13 @@ def test_a_unit_of_sources_is_the_same_bytes_each_time_and_names_its_numbers(tmp
     ("arguments", "told"),
     [
         ((BELT.replace(speed=np.array([0.1, 0.2])),), "is a batch of shape"),
-        ((ss.SwitchingFlow.example() if hasattr(ss.SwitchingFlow, "example") else 3.0,), "is not a machine"),
+        ((ss.LuGre.example(),), "is not a machine"),
         ((BELT, {"inputs": ["sped"]}), "there is no input 'sped'; did you mean 'speed'?"),
         ((BELT, {"inputs": "speed"}), 'type for example inputs=["force"]'),
         ((BELT, {"outputs": ["w"]}), "there is no output 'w'"),
         ((MACHINES["robot"], {"inputs": ["drive.omega"]}), "sets the period of the machine"),
         ((BELT, {"name": "my belt"}), "allowed is a name of letters, digits and _"),
-        ((MACHINES["robot"].replace(friction=ss.friction.Bristle.example()),), "type"),
+        ((MACHINES["robot"].replace(friction=ss.friction.Bristle.example()),), "the Robot has Bristle friction, which is random"),
     ],
     ids=range(8),
 )

@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 from stickslip.basics.fields import field_description
 from stickslip.basics.units import unit_named
 from stickslip.solvers.machine_in_c import FIXED, INPUT, MachineInC
+from stickslip.solvers.moments import AHEAD
 
 _UNITS = {"position": "m", "velocity": "m/s", "acceleration": "m/s^2", "force": "N"}
 _TURNING = {"position": "rad", "velocity": "rad/s", "acceleration": "rad/s^2", "force": "N m"}
@@ -142,7 +143,7 @@ class _Description:
         categories = ElementTree.SubElement(root, "LogCategories")
         for category, words in (("logEvents", "how a run ended"), ("logStatusError", "what was refused")):
             ElementTree.SubElement(categories, "Category", {"name": category, "description": words})
-        length = self.made.period or self.made.span / 64.0
+        length = self.made.period or self.made.span / AHEAD
         ElementTree.SubElement(
             root, "DefaultExperiment", {"startTime": "0", "stopTime": repr(10.0 * length), "stepSize": repr(length / 50.0)}
         )

@@ -125,7 +125,11 @@ def export_fmu(
 def _name(machine: Any, name: Any) -> str:
     """The name of the model, which is that of its library too."""
     if name is None:
-        return type(machine).__name__
-    if not isinstance(name, str) or not name.isascii() or not name.isidentifier() or len(name) > 60:
+        return type(machine).__name__ if _is_plain(type(machine).__name__) else "machine"
+    if not isinstance(name, str) or not _is_plain(name):
         raise InputError("export_fmu", [f"name = {name!r}; allowed is a name of letters, digits and _; type for example name='my_robot'"])
     return name
+
+
+def _is_plain(name: str) -> bool:
+    return name.isascii() and name.isidentifier() and len(name) <= 60

@@ -30,7 +30,7 @@ def header(made: MachineInC, token: str, version: str) -> str:
         _row("int", "KINDS", [number.role for number in numbers]),
         _row("double", "STATES_AT_START", made.begin),
         _row("double", "MEMORIES_AT_START", made.memories),
-        _row("double", "SPAN_ROOM", [made.span]).replace("SPAN_ROOM[1]", "SPAN_AT_START").replace("{", "").replace("}", ""),
+        f"static const double SPAN_AT_START = {literal(made.span)};",
         *(_row("int", name, made.tables[name]) for name in ("SIDE_PLACES", "FLIGHT_PLACES", "FLIGHT_STATES", "MEMORY_OF")),
         *(_rows(name, made.tables[name]) for name in ("SLIP_ROWS", "STOP_ROWS")),
         f"static const struct {{ int status; bool is_end; const char *words; }} STATUS_WORDS[] = {{{ends}}};",
