@@ -299,7 +299,9 @@ def phase(
         ax.plot(strobe_s * across, strobe_v * up, "o", zorder=9, **marker)
     rest = _at_rest(runs[0], np.linspace(*spans[0], 50))
     if rest is not None and np.ptp(rest) < 1e-9 * np.max(np.abs(rest)):
-        more.append(ax.axhline(rest[0] * up, **_REST))
+        ax.axhline(rest[0] * up, **_REST)
+        words: dict[str, Any] = {"ha": "right", "va": "bottom", "fontsize": 7, "color": INK}
+        ax.text(1.0, rest[0] * up, _REST["label"], transform=ax.get_yaxis_transform(), **words)
     ax.set_xlabel(f"{_displacement(runs[0].model)} ({metres}{unit_of('x', runs[0].model)})")
     ax.set_ylabel(f"velocity $v$ ({unit}{unit_of('v', runs[0].model)})")
     ax.margins(0.06)
