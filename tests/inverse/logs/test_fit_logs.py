@@ -233,3 +233,15 @@ def test_mean_speeds_over_settings_are_a_shaken_robot_and_the_interval_holds_the
     low, high = result.fit.interval("mu0", level=0.999)
     assert result.machine == "speeds" and low < 0.19 < high and high - low < 0.01
     assert "6 mean velocities" in result.report()
+
+
+def test_every_report_of_forces_over_a_motion_says_whether_friction_is_symmetric(tmp_path):
+    rec = ss.read(rig_file(tmp_path / "rig.csv", backwards=2.7))
+    how = {"load": 1.0, "starts": 2, "sensor": {"offset": 0.0}, "f": 3.4, "v_s": 8e-4}
+    one = ss.identify(rec, ss.Stribeck, free={"mu": (1.0, 5.0)}, **how)
+    both = ss.identify(rec, ss.Stribeck, free={"mu_plus": (1.0, 5.0), "mu_minus": (1.0, 5.0)}, **how)
+    for fit in (one, both):
+        (found,) = fit.symmetry
+        assert found.asymmetric and abs(found.half + 0.15) < 4 * found.error and f"symmetry: {found}" in fit.report()
+    own = ss.identify(rec, lambda mu: ss.Coulomb(mu), free={"mu": (1.0, 5.0)}, using="force", load=1.0, starts=2)
+    assert own.symmetry == () and "symmetry" not in own.report()  # nobody knows what a user's own function makes of it

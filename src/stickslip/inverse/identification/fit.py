@@ -20,6 +20,7 @@ from stickslip.inverse.identification.bootstrapping import by_bootstrap
 from stickslip.inverse.identification.covariance import correlated, correlations_of, from_the_input, information_of, lost_to_the_input
 from stickslip.inverse.identification.fit_text import OVER_MOTION
 from stickslip.inverse.identification.quality import quality
+from stickslip.inverse.identification.symmetry import symmetry
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -276,6 +277,7 @@ class Fit(Face):
     open = cached_property(uncertainty.open_parameters)
     bent = cached_property(uncertainty.bent_parameters)
     costs = cached_property(uncertainty.costs)
+    symmetry = cached_property(symmetry)
     quality = cached_property(quality)
     sample = explains_arguments(sampling.sample)
     bands = explains_arguments(sampling.bands)

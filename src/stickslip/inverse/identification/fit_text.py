@@ -213,5 +213,6 @@ def report_text(fit: Fit) -> str:
         noise = f", noise {q.noise:.3g} {q.unit}" if np.isfinite(q.noise) else ""
         explained = f", R² {q.r2:.5f}" if np.isfinite(q.r2) else ""
         rows.append(f"  {q.label}, {q.kind}: rms {q.rms:.3g} {q.unit}{noise}{explained}, neighbours correlated {q.correlation:.2f}")
+    rows += [f"  symmetry: {each}" for each in fit.symmetry]
     rows.append(f"  search: {fit.starts} starting points, {fit.agree} of the refined ones ended here")
     return "\n".join([*rows, *(f"note: {sentence}" for sentence in fit.warnings)])

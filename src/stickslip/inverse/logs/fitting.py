@@ -9,14 +9,12 @@ from typing import Any
 
 from stickslip.basics.arguments import explains_arguments
 from stickslip.basics.errors import InputError, StickslipError, did_you_mean
-from stickslip.inverse.identification.fit_text import unit_of_parameter
 from stickslip.inverse.identification.ranking import UNDECIDED, Ranking, rank
 from stickslip.inverse.identification.uncertainty import faults
 from stickslip.inverse.logs.log_fit import LogFit
 from stickslip.inverse.logs.machines import Kind, Task
 from stickslip.inverse.logs.plan import Plan, plan_of
 from stickslip.inverse.logs.proposals import Proposal, of_numbers
-from stickslip.inverse.logs.symmetry import by_sides, symmetry_of
 from stickslip.records import Record, read
 
 _MOST = 6000  # samples on which laws are compared
@@ -126,15 +124,12 @@ def fit_plan(
     sides = "a coefficient for each direction" if asymmetric else "one coefficient for both directions"
     proposals.append(Proposal("symmetry", sides, "typed" if asymmetric else "unless asked", "" if asymmetric else "--asymmetric"))
     chosen = fits[best]
-    unit = next((unit_of_parameter(chosen, name) for name in chosen.names if name.rpartition(".")[2] == "mu"), "")
-    tested = symmetry_of(chosen, unit)
-    symmetry = tuple(by_sides(chosen)) if asymmetric else (tested,) if tested else ()
     notes = tuple(
         dict.fromkeys(f"{'' if len(records) == 1 else f'record {i}: '}{note}" for i, rec in enumerate(records) for note in rec.notes)
     )
     measure = tuple(_next(chosen, kind))
     return LogFit(
-        kind.name, best, tuple(proposals), fits, tasks, ranking, symmetry, tuple(readings), tuple(questions), measure, notes,
+        kind.name, best, tuple(proposals), fits, tasks, ranking, tuple(readings), tuple(questions), measure, notes,
     )  # fmt: skip
 
 

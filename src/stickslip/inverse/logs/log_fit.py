@@ -19,8 +19,8 @@ from stickslip.inverse.logs.proposals import HEAD, Proposal, table
 if TYPE_CHECKING:
     from stickslip.inverse.identification.fit import Fit
     from stickslip.inverse.identification.ranking import Ranking
+    from stickslip.inverse.identification.symmetry import Symmetry
     from stickslip.inverse.logs.machines import Task
-    from stickslip.inverse.logs.symmetry import Symmetry
 
 
 def over_motor_constant(text: str) -> str:
@@ -53,8 +53,6 @@ class LogFit(Face):
         How each was made.
     ranking : Ranking or None
         Of the laws, where several were tried.
-    symmetry : tuple of Symmetry
-        Kinetic friction forwards and backwards.
     reading : tuple of str
         How the files are read, as Python.
     questions : tuple of str
@@ -80,7 +78,6 @@ class LogFit(Face):
     fits: dict[str, Fit]
     tasks: dict[str, Task]
     ranking: Ranking | None = None
-    symmetry: tuple[Symmetry, ...] = ()
     reading: tuple[str, ...] = ()
     questions: tuple[str, ...] = ()
     next: tuple[str, ...] = ()
@@ -90,6 +87,11 @@ class LogFit(Face):
     def fit(self) -> Fit:
         """The fit of the law that is reported."""
         return self.fits[self.law]
+
+    @property
+    def symmetry(self) -> tuple[Symmetry, ...]:
+        """Kinetic friction forwards and backwards: `Fit.symmetry`."""
+        return self.fit.symmetry
 
     @property
     def values(self) -> dict[str, float]:
@@ -137,7 +139,6 @@ class LogFit(Face):
                 write_whole(page, over_motor_constant(page.read_text(encoding="utf-8")), unwritable("report"))
             return page
         parts = [table(self.proposals), *(f"reading: {note}" for note in self.notes), "", self.fit.report(), f"verdict: {self.verdict}"]
-        parts += [f"symmetry: {each}" for each in self.symmetry]
         if names := self.fit.undetermined:
             parts.append(f"not determined by this record: {', '.join(names)}")
         parts += [f"measure next: {each}" for each in self.next]

@@ -66,10 +66,10 @@ def _facts(fit: Fit) -> dict[str, Any]:
             continue
         drawn = (_drawn(partial(plot.fitted, fit, i), f"fitted {i}"), _drawn(partial(plot.residuals, fit, i), f"residuals {i}"))
         pictures.append((*drawn, fit.quality[i], fit.quality[i].unit))
-    table = fit.correlations.tolist()
+    table, symmetry = fit.correlations.tolist(), [f"symmetry: {each}" for each in fit.symmetry]
     return {
         "law": fit.law, "rows": rows, "quality": fit.quality, "warnings": fit.warnings, "pictures": pictures, "names": fit.names,
-        "given": known_line(fit), "sensor": [*sensor_lines(fit), *cost_lines(fit), *input_lines(fit)],
+        "given": known_line(fit), "sensor": [*sensor_lines(fit), *cost_lines(fit), *input_lines(fit), *symmetry],
         "correlations": table, "count": fit.count, "starts": fit.starts, "agree": fit.agree, "provenance": fit.provenance,
     }  # fmt: skip
 

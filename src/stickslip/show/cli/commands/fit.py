@@ -53,8 +53,9 @@ reading: the columns are those of a run of stickslip: computed, not measured
 Coulomb fitted to 1 record, 8041 values; 1 parameter free
   mu = 0.09902 ± 0.00015 N   95 % 0.09872 to 0.09932
 …
+  symmetry: mu: mean of both directions 0.09902 ± 0.00015 N, half difference 0.00007 ± 0.00015 N: one coefficient for both is enough
+…
 verdict: coulomb is supported: what is left is noise
-symmetry: mu: mean of both directions 0.09902 ± 0.00015 N, half difference 0.00007 ± 0.00015 N: one coefficient for both is enough
 figures, report and Python: --out FOLDER
 """,
 )

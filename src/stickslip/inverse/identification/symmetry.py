@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.basics.arguments import described_arguments
+from stickslip.basics.fields import leaves
 from stickslip.basics.notebook_display import rounded, sure
 from stickslip.basics.number_names import SIDES
 from stickslip.inverse.identification.covariance import spread_of
@@ -64,15 +66,34 @@ class Symmetry:
         return f"{mean}, half difference {rounded(self.half, self.error)} {sure(self.error)}{unit}: {verdict}"
 
 
-def symmetry_of(fit: Fit, unit: str = "") -> Symmetry | None:
+def symmetry(fit: Fit) -> tuple[Symmetry, ...]:
+    """Whether friction is the same in both directions, as far as a fit over a measured motion says; empty for other fits.
+
+    A fit with one coefficient for both is freed to have two; of one with both, half the sum and half the difference are determined, or not.
+
+    Examples
+    --------
+    >>> import numpy as np, stickslip as ss
+    >>> t = np.arange(0, 4, 0.005)
+    >>> F = 2.0 * np.sign(np.cos(3 * t)) + np.random.default_rng(0).normal(0, 0.05, len(t))
+    >>> rec = ss.Record.of(t, {"x [m]": 5e-3 * np.sin(3 * t), "F [N]": F}, roles={"F": "force"})
+    >>> ss.identify(rec, ss.Coulomb, free={"mu": (0.1, 5.0)}, load=1.0, starts=2, sensor={"offset": 0.0}).symmetry[0].asymmetric
+    False
+    """
+    if fit.stopped:
+        return ()
+    return tuple(by_sides(fit)) or tuple(filter(None, (symmetry_of(fit),)))
+
+
+def symmetry_of(fit: Fit) -> Symmetry | None:
     """The test of symmetry of a fit with one kinetic coefficient for both directions of a law over a measured motion; None of others.
 
     Static friction is freed with it: else a difference of the two would be taken for one by direction.
     """
     name = next((name for name in fit.names if name.rpartition(".")[2] == "mu"), None)
-    if name is None or not fit.problem.batched:
+    if name is None or not fit.problem.batched or not _has_both_sides(fit.problem.parameters.make, name):
         return None
-    of = fit.problem.parameters
+    of, unit = fit.problem.parameters, unit_of_parameter(fit, name)
     both = [f.name.rpartition(".")[2] in ("mu", "f") for f in of.free]
     free = tuple(
         each for f, two in zip(of.free, both, strict=True) for each in ([replace(f, name=f.name + side) for side in SIDES] if two else [f])
@@ -90,7 +111,13 @@ def symmetry_of(fit: Fit, unit: str = "") -> Symmetry | None:
     return Symmetry(name, fit.values[name], fit.errors[name], 0.5 * (values[0] - values[1]), half, unit)
 
 
-def by_sides(fit: Any) -> list[Symmetry]:
+def _has_both_sides(make: Any, name: str) -> bool:
+    """Whether a coefficient is that of two directions, which can be told apart; an argument of a user's own function is not."""
+    known = described_arguments(make) if callable(make) else dict(leaves(make))
+    return all(name + side in known for side in SIDES)
+
+
+def by_sides(fit: Fit) -> list[Symmetry]:
     """For each coefficient that was fitted for both directions apart: mean and half difference, as far as the record determines them."""
     found = []
     for stem in [name.removesuffix(SIDES[0]) for name in fit.names if name.endswith(SIDES[0])]:
