@@ -26,11 +26,8 @@ _STEPS = 2_000  # steps of a call: so often is the keyboard looked at
 (MODE, AHEAD, AT_AHEAD, BACK, AT_BACK, APPLIED, AT_APPLIED, FIRST, COUNT, LEADER) = range(10)
 (T0, XS, VS, MASS, BASE, LOW, HIGH) = range(7)
 _BODY, _WHOLE, _LINK, _COUNTS = 10, 15, 5, 8
-_KINDS = {
-    "begin": "void(f2, i2, f2, i2, i1, f1, f2, f2, f2, f2, f1, f1, f1, i1, i1, f2, i1)",
-    "finish": "void(f2, i2, f2, f1, f2, i1)",
-    "advance": "void(f2, i2, f2, i2, i1, f1, f2, f2, f2, f2, f1, f1, f1, i1, i1, f2, f2, i1)",
-}
+BEGIN, ADVANCE, FINISH = range(3)  # what a call does
+_KIND = "void(int64, f2, i2, f2, i2, i1, f1, f2, f2, f2, f2, f1, f1, f1, i1, i1, f2, f2, i1)"
 
 
 @sealed
@@ -60,8 +57,9 @@ class Row:
     def source(self) -> str:
         """The text of its kernel, which does not depend on how many parts there are."""
         texts = map(kernel_text, ("polynomials", "local_bodies", "local_clusters", "local_events"))
-        text = "\n".join([f"ORDER, STRIDE = {ORDER}, 1", *texts, *(table.text(ORDER + 1) for table in self.tables)])
-        return header("a row of many bodies") + written(_KINDS, text)
+        constants = [f"ORDER, STRIDE = {ORDER}, 1", f"BEGIN, ADVANCE, FINISH = {BEGIN}, {ADVANCE}, {FINISH}"]
+        text = "\n".join([*constants, *texts, *(table.text(ORDER + 1) for table in self.tables)])
+        return header("a row of many bodies") + written({"act": _KIND}, text)
 
     @cached_property
     def adjacency(self) -> tuple[Array, Array, Array]:
@@ -153,7 +151,7 @@ def run(row: Row, x: Array, v: Array, end: float, speed: float, most: int, go_on
     go_on : callable
         Called with the time now and then; False stops the run.
     """
-    kernel = cache.load(row.source, "row", "a row of many bodies")
+    act = cache.load(row.source, "row", "a row of many bodies").act
     bodies, links = len(row.masses), len(row.ends)
     S, K = np.zeros((bodies, _BODY)), np.full((bodies, _WHOLE), 0, np.int64)
     S[:, XS], S[:, VS], S[:, MASS], S[:, BASE], S[:, LOW], S[:, HIGH] = x, v, row.masses, row.base, *row.limits.T
@@ -171,15 +169,15 @@ def run(row: Row, x: Array, v: Array, end: float, speed: float, most: int, go_on
         np.zeros((3, width + 1)), np.zeros(width + 4), tree, job, np.zeros(3 * bodies + 3, np.int64), np.zeros(links + 1, np.int64),
     )  # fmt: skip
     room, noted = np.empty((_ROOM + 5 * bodies, width + 3)), np.empty((_EVENTS + 2 * bodies, 3))
-    kernel.begin(*shared, noted, numbers)
+    act(BEGIN, *shared, room, noted, numbers)
     first, pieces, events, kept = K[:, MODE].astype(np.int8), [], [], 0
     running = True
     while running:
         numbers[[1, 2]], numbers[6] = 0, _STEPS
-        kernel.advance(*shared, room, noted, numbers)
+        act(ADVANCE, *shared, room, noted, numbers)
         running = numbers[0] == 0 and go_on(float(job[0]))
         if not running and numbers[0] == 0:
-            kernel.finish(S, K, shared[2], job, room, numbers)
+            act(FINISH, *shared, room, noted, numbers)
         pieces.append(room[: numbers[1]].copy())
         events.append(noted[: numbers[2]].copy())
         kept += len(pieces[-1])

@@ -226,3 +226,14 @@ def advance(S, K, X, LINK, ADJ, NUM, WL, WC, WA, Z, G, TREE, JOB, Q, L, PIECES, 
             if what >= 0:
                 settle(what, now, S, K, X, LINK, ADJ, NUM, EVENTS, N)
         regroup(0, count, now, S, K, X, LINK, ADJ, NUM, WL, WC, WA, Z, G, TREE, JOB, Q, L, N)
+
+
+@njit(void(int64, f2, i2, f2, i2, i1, f1, f2, f2, f2, f2, f1, f1, f1, i1, i1, f2, f2, i1))
+def act(what, S, K, X, LINK, ADJ, NUM, WL, WC, WA, Z, G, TREE, JOB, Q, L, PIECES, EVENTS, N):
+    """What Python asks for, in one compiled function."""
+    if what == BEGIN:
+        begin(S, K, X, LINK, ADJ, NUM, WL, WC, WA, Z, G, TREE, JOB, Q, L, EVENTS, N)
+    elif what == ADVANCE:
+        advance(S, K, X, LINK, ADJ, NUM, WL, WC, WA, Z, G, TREE, JOB, Q, L, PIECES, EVENTS, N)
+    else:
+        finish(S, K, X, JOB, PIECES, N)
