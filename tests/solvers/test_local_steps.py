@@ -81,7 +81,7 @@ PUSHES = [0.0, lambda t, x, v: 0.4 * sin(1.3 * t) - 0.2 * x, lambda t, x, v: 0.3
 
 @pytest.mark.parametrize("law, spring, push", each_once(LAWS, SPRINGS, PUSHES))
 def test_few_blocks_have_the_events_of_equations_that_are_written_out(law, spring, push):
-    machine = row(5, friction=law, spring=spring, push=push)
+    machine = row(4, friction=law, spring=spring, push=push)
     run, tables = ss.solve(machine, duration=15.0), by_tables(machine, 15.0)
     assert len(run.events) > 10
     assert_same_events(run, tables.events, 1e-10)
