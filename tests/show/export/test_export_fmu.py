@@ -141,6 +141,28 @@ def test_inputs_and_parameters_act_as_those_of_a_simulation(unit_of):
 
 
 @needs_cc
+def test_two_units_that_a_spring_couples_come_to_the_machine_of_both_as_their_steps_shorten(tmp_path):
+    chain = ss.Chain.example().replace(phases=(0.0, 0.0))
+    chain = chain.replace({"modules.1.drive.amplitude": 1.7 * chain.modules[0].drive.amplitude})
+    path, link, T = ss.export_fmu(chain.modules[0], tmp_path).path, chain.link, chain.period
+    run, errors = ss.solve(chain, periods=2), []
+    for steps in (200, 400):
+        units = [Unit(path, tmp_path) for _ in chain.modules]
+        for unit, module in zip(units, chain.modules, strict=True):
+            unit.set("drive.amplitude", module.drive.amplitude)
+            unit.start()
+        for _ in range(2 * steps):
+            (x1, v1), (x2, v2) = (unit.get("x", "v") for unit in units)
+            pull = link.stiffness * (x1 - x2 - link.length) + link.damping * (v1 - v2)
+            for unit, side in zip(units, (-1.0, 1.0), strict=True):
+                unit.set("force", side * pull)
+                unit.step(T / steps)
+        errors.append(max(abs(unit.get("x")[0] - x) for unit, x in zip(units, run.x[-1], strict=True)))
+        [unit.close() for unit in units]
+    assert errors[0] < 1e-2 * np.ptp(run.x) and errors[1] == pytest.approx(0.5 * errors[0], rel=0.15)  # of first order
+
+
+@needs_cc
 def test_derivatives_along_directions_are_those_of_the_rates(unit_of):
     unit = unit_of("belt", exchange=True).start(x=0.3, v=0.02)
     unit.update()
