@@ -83,6 +83,11 @@ class PushedParts(Machine):
         """That of the machine."""
         return machine_of(self.machine).principal
 
+    @property
+    def coordinates(self) -> tuple[str, ...] | None:  # type: ignore[override]
+        """Those of the machine; the forces are along them."""
+        return getattr(parts_of(self.machine), "coordinates", None)
+
     def bodies(self) -> Mapping[str, Any]:
         """Those of the machine."""
         return parts_of(self.machine).bodies()

@@ -13,6 +13,7 @@ import stickslip as ss
 from rows import each_row
 from stickslip.basics.errors import InputError
 from stickslip.maths import cos, pi, sin
+from stickslip.models.pushed import pushed
 
 COULOMB = ss.Coulomb(0.1, 0.1)
 LUGRE = ss.friction.LuGre(0.1, 0.1, 0.1, 0.1, sigma0=1e5, sigma1=100.0, sigma2=0.0, v_s=0.01)
@@ -280,3 +281,15 @@ RAIL = lambda self: {"rail": ss.Contact("cart", self.friction, load=1.0)}  # noq
 def test_what_is_wrong_with_coordinates_is_said_with_what_to_type(changed, words):
     with pytest.raises(InputError, match=re.escape(words)):
         with_(**changed)(1.0, 0.3, 0.5, 4.0, 5.0, COULOMB)
+
+
+def test_forces_of_a_simulation_act_along_the_coordinates():
+    pole = CartPole(1.0, 0.3, 0.5, 4.0, 5.0, COULOMB)
+    sim, run = ss.simulation(pole), ss.solve(pole, periods=2)
+    state = sim.step(0.3, inputs={"force on x": 0.0})
+    assert state["x"] == pytest.approx(run.at(0.3)["x"], rel=1e-9)
+    there, force = pushed(pole).replace({"applied.1": 0.2}).mechanics, 0.2
+    at = (0.1, (0.0, 0.4), (0.2, 0.3), (0.0,))
+    gained = np.subtract(there.accelerations(*at), pole.mechanics.accelerations(*at))
+    matrix = [[1.3, 0.15 * np.cos(0.4)], [0.15 * np.cos(0.4), 0.075]]
+    assert matrix @ gained == pytest.approx([0.0, force], abs=1e-12)

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from every import with_bodies
 from fmu_units import Unit
 from rows import each_row
 from stickslip.maths import sin
@@ -112,6 +113,27 @@ def _motion(run, body, t):
     at = run.at(t)
     number = list(run.bodies).index(body)
     return [([t, t + 1.0], [np.ravel(at[what])[number]] * 2) for what in ("x", "v")]
+
+
+@needs_cc
+@pytest.mark.slow
+@each_row(("name", "given"), [(name, made[0]) for name, made in with_bodies.items()], ids=list(with_bodies))
+def test_every_machine_that_is_exported_goes_where_solve_goes(name, given, tmp_path, monkeypatch):
+    monkeypatch.setattr(building, "FLAGS", (*building.FLAGS, *WARNING))
+    try:
+        made = ss.export_fmu(given, tmp_path)
+    except ss.InputError as error:
+        assert "solve" in str(error) and name in ("a row of blocks",), f"{name}: {error}"
+        return
+    run, unit = lasting(given, 4), Unit(made.path, tmp_path).start()
+    unit.step(0.997 * run.t[-1])
+    for letter in "xv":
+        outputs = [output for output in made.outputs if output.partition(".")[0] == letter]
+        wanted, scale = run.at(unit.t)[letter], np.max(np.abs(getattr(run, letter)))
+        found = unit.get(*outputs)
+        assert (found if np.ndim(wanted) else found[:1]) == pytest.approx(np.atleast_1d(wanted).tolist(), rel=1e-5, abs=1e-5 * scale)
+    assert unit.get("events") == [sum(event.t <= unit.t for event in run.events)]
+    unit.close()
 
 
 @needs_cc
