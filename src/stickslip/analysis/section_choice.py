@@ -72,6 +72,9 @@ def asked_of(what: str, section: Any, names: tuple[str, ...]) -> Asked:
     if not isinstance(name, str):
         raise InputError(what, [f"section = {section!r}; allowed is a name of the state, alone or with a value and a direction; {_TYPE}"])
     if name not in names:
+        if " of " in name:  # "stick of two"
+            why = "a contact that sticks stays where it stuck, so that its switch is no section which a motion crosses"
+            raise InputError(what, [f"section = {section!r}: {why}; name a state; {did_you_mean(name, names)}; {_TYPE}"])
         raise InputError(what, [f"section = {section!r}: {name!r} is not a name of the state; {did_you_mean(name, names)}"])
     numbers = floats(rest) if rest else np.zeros(0)
     if not np.all(np.isfinite(numbers)) or (len(numbers) > 1 and numbers[1] not in (-1.0, 1.0)):

@@ -196,6 +196,25 @@ def settings(words: list[str], many: bool, problems: Problems, units: Callable[[
     return given
 
 
+def section_asked(asked: Any) -> dict[str, Any]:
+    """The arguments `section` and `turns` of an analysis, where they were given.
+
+    Examples
+    --------
+    >>> section_asked(argparse.Namespace(section="v,0.1,-1", turns=None))
+    {'section': ('v', 0.1, -1.0)}
+    """
+    given: dict[str, Any] = {} if asked.turns is None else {"turns": asked.turns}
+    if asked.section is None:
+        return given
+    name, *numbers = asked.section.split(",")
+    try:
+        return {"section": (name, *map(float, numbers)), **given}
+    except ValueError:
+        what = f"--section {asked.section}; allowed is a state, alone or with the value that it passes and 1 (rises) or -1 (falls)"
+        raise InputError("section", [f"{what}; type for example --section v,0.1,1"]) from None
+
+
 @dataclass(frozen=True)
 class Subject:
     """The robot or function that a command works on, with its arguments.

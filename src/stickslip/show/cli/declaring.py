@@ -49,6 +49,14 @@ ROBOT = (
     argument("settings", metavar="NAME=VALUE", nargs="*", default=[], help="numbers of the robot, and arguments of the solver (optional)"),
     *CODE,
 )
+#: Where motions without a drive are looked at.
+SECTION = (
+    argument(
+        "--section", metavar="STATE[,VALUE[,DIRECTION]]",
+        help="of a machine or flow without a period: where its motions are looked at, such as v, v,0.1 or v,0.1,-1 (falls)",
+    ),
+    argument("--turns", metavar="N", type=int, help="look after so many returns to it (default 1)"),
+)  # fmt: skip
 #: How a measured record is named.
 RECORDS = (
     argument("--unit", action="append", metavar="NAME=UNIT", default=[], help="unit of a channel, such as LDV=m/s (may be repeated)"),

@@ -5,8 +5,8 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from stickslip.show.cli.arguments import Subject, axes_among, subject
-from stickslip.show.cli.declaring import FIGURES, ROBOT, TABLES, argument, command
+from stickslip.show.cli.arguments import Subject, axes_among, section_asked, subject
+from stickslip.show.cli.declaring import FIGURES, ROBOT, SECTION, TABLES, argument, command
 from stickslip.show.cli.outputs import Outcome
 
 if TYPE_CHECKING:
@@ -20,6 +20,7 @@ _OF_DIAGRAMS = ("settle", "limit", "rtol", "workers", "start")
     about="How a motion changes along one number, given as NAME=a..b:n: strobe points after settling, upwards and downwards.",
     arguments=(
         *ROBOT,
+        *SECTION,
         argument("--follow", action="store_true", help="also follow the periodic motions, stable or not, and find folds and flips"),
         argument(
             "--period",
@@ -48,7 +49,8 @@ def act(asked: Namespace) -> Outcome:
     from stickslip.dynamics.attractors.bifurcation_diagrams import bifurcation
 
     options = {**study.options, **fixed}
-    diagram = bifurcation(study.make, parameter=parameter, values=values, follow=not asked.batch, progress=True, **options)
+    looked = {"follow": not asked.batch, **section_asked(asked)}
+    diagram = bifurcation(study.make, parameter=parameter, values=values, progress=True, **looked, **options)
     branches = _followed(study.make, parameter, values, asked.period, options) if asked.follow else []
     record, text = _record(study, parameter, diagram, branches), _text(study, parameter, diagram, branches)
     return Outcome(record, text, ((asked.figure, lambda: _drawn(diagram, branches, asked.observable)),), asked.out, diagram)

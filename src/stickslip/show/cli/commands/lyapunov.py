@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from stickslip.show.cli import show
-from stickslip.show.cli.arguments import subject, value
-from stickslip.show.cli.declaring import FIGURES, ROBOT, TABLES, argument, command
+from stickslip.show.cli.arguments import section_asked, subject, value
+from stickslip.show.cli.declaring import FIGURES, ROBOT, SECTION, TABLES, argument, command
 from stickslip.show.cli.outputs import Outcome
 from stickslip.show.cli.study_files import study_named
 
@@ -23,6 +23,7 @@ values
   mu0=0.03..0.21:60:log amplitude=2.5e-4..9.5e-4:60 workers=2      a map""",
     arguments=(
         *ROBOT,
+        *SECTION,
         argument("--figure", metavar="FILE", ends=FIGURES, help="draw their convergence, or the map (.png, .svg or .pdf)"),
         argument("--out", metavar="FILE", ends=TABLES, help="write their convergence, or the map (.nc, .mat, .csv, .xlsx or .parquet)"),
     ),
@@ -55,7 +56,7 @@ def _one(asked: Namespace) -> Outcome:
 
     settle, rest = _settle(asked.settings)
     study = subject(asked.robot, rest, solver=("periods", "rtol", "start.x", "start.v", "start.z"), strict=False)
-    judged = verdict(study.robot(), progress=True, **settle, **study.options)
+    judged = verdict(study.robot(), progress=True, **section_asked(asked), **settle, **study.options)
     l = judged.exponents  # noqa: E741
     record = {
         "robot": study.title(), "kind": judged.kind, "period": judged.period, "why": judged.why, "spectrum": l.spectrum, "errors": l.errors,
@@ -106,7 +107,7 @@ def _map(asked: Namespace) -> Outcome:
 
     settle, rest = _settle(asked.settings)
     study = subject(asked.robot, rest, many=True, solver=("periods", "rtol", "workers", "start.x", "start.v", "start.z"), strict=False)
-    grid = chaos_map(study.make, progress=True, **settle, **study.options, **study.arguments)
+    grid = chaos_map(study.make, progress=True, **section_asked(asked), **settle, **study.options, **study.arguments)
     axes = [str(d) for d in grid.period.dims]
     record = {
         "robot": study.name, "axes": {name: grid[name].values for name in axes},
