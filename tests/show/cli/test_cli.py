@@ -636,7 +636,9 @@ def test_doublings_that_are_not_followed_are_said_with_what_follows_them():
 def test_the_section_of_a_machine_without_a_period_is_named(capsys, tmp_path):
     file, law = tmp_path / "belt.toml", ss.Coulomb(0.2, 0.2, f_plus=0.3, f_minus=0.3)
     file.write_text(ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=law, load=1.0).to_toml())
-    assert "the point on the section (x falls through 0.12) returns after 1" in call(capsys, "lyapunov", str(file), "--section", "x,0.12")[1]
+    _, out, _ = call(capsys, "lyapunov", str(file), "--section", "x,0.12")
+    assert "the point on the section (x falls through 0.12) returns after 1" in out
     assert "period 1" in call(capsys, "basins", str(file), "x=0.0,0.05", "--section", "v,0.05,1", "--turns", "2")[1]
     assert "type for example --section v,0.1,1" in call(capsys, "basins", str(file), "x=0.0,0.05", "--section", "v,a")[2]
-    assert "leave section out" in call(capsys, "lyapunov", "piezo_rig", "tilt_deg=1.7", "amplitude=8e-4", "law=coulomb", "--section", "v")[2]
+    words = ("tilt_deg=1.7", "amplitude=8e-4", "law=coulomb")
+    assert "leave section out" in call(capsys, "lyapunov", "piezo_rig", *words, "--section", "v")[2]
