@@ -1,6 +1,8 @@
 """Small logs of robots, as their recorders write them; each needs the library of its format."""
 
+import contextlib
 import json
+import sqlite3
 
 import numpy as np
 
@@ -74,6 +76,36 @@ def bag(path):
             writer.write(connection, 10_000_000 * k, store.serialize_ros1(message, stamped.__msgtype__))
 
 
+def bag_of_ros2(path):
+    """As `ros2 bag record --storage sqlite3` writes it, with a topic of a type that it defines, and one of a type that nobody knows."""
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    store, name, own = get_typestore(Stores.ROS2_HUMBLE), "sensor_msgs/msg/JointState", "rig_msgs/msg/Pad"
+    state, header, time = (store.types[each] for each in (name, "std_msgs/msg/Header", "builtin_interfaces/msg/Time"))
+    store.register(get_types_from_msg("float64 force\n", own))
+    with contextlib.closing(sqlite3.connect(path)) as file:
+        file.execute(
+            "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT, offered_qos_profiles TEXT)"
+        )
+        file.execute("CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB)")
+        file.execute(
+            "CREATE TABLE message_definitions(id INTEGER PRIMARY KEY, topic_type TEXT, encoding TEXT, encoded_message_definition TEXT)"
+        )
+        file.execute("INSERT INTO message_definitions VALUES(1, ?, 'ros2msg', 'float64 force\n')", (own,))
+        kinds = ("/joint_states", name), ("/pad", own), ("/camera", "vendor_msgs/msg/Frame")
+        file.executemany("INSERT INTO topics VALUES(?, ?, ?, 'cdr', '')", [(k, *each) for k, each in enumerate(kinds, start=1)])
+        for k in range(COUNT):
+            message = state(
+                header(time(k // 50, 20_000_000 * (k % 50)), ""), ["hip"], np.array([0.01 * k]), np.array([0.5]), np.array([0.2])
+            )
+            pad = store.types[own](0.1 * k)
+            rows = [(1, store.serialize_cdr(message, name)), (2, store.serialize_cdr(pad, own)), (3, b"?")]
+            file.executemany(
+                "INSERT INTO messages(topic_id, timestamp, data) VALUES(?, ?, ?)", [(n, 20_000_000 * k, bytes(data)) for n, data in rows]
+            )
+        file.commit()
+
+
 def lerobot(path):
     import pyarrow
     import pyarrow.parquet
@@ -84,6 +116,6 @@ def lerobot(path):
     pyarrow.parquet.write_table(pyarrow.table(columns), path)
 
 
-WRITERS = {"json.mcap": mcap_of_json, "ros2.mcap": mcap_of_ros2, "ft.bag": bag, "episodes.parquet": lerobot}
+WRITERS = {"json.mcap": mcap_of_json, "ros2.mcap": mcap_of_ros2, "ft.bag": bag, "rig.db3": bag_of_ros2, "episodes.parquet": lerobot}
 #: The library without which there is no file of a format.
-LIBRARIES = {"MCAP": "mcap", "ROS bag": "rosbags", "Parquet": "pyarrow"}
+LIBRARIES = {"MCAP": "mcap", "ROS bag": "rosbags", "ROS 2 bag": "rosbags", "Parquet": "pyarrow"}

@@ -1,5 +1,7 @@
 """Logs of robots: BAM's bench, MCAP, ROS bags and LeRobot's tables; a library that is missing is an error with what to type."""
 
+import contextlib
+import sqlite3
 import sys
 
 import numpy as np
@@ -27,11 +29,15 @@ HELD = {
     "json.mcap": ({"pos_deg": "deg", "torque_Nm": "Nm"}, 29.5),
     "ros2.mcap": ({"hip.position": "rad", "hip.velocity": "rad/s", "hip.effort": "N m"}, 0.59),
     "ft.bag": ({f"wrench.{what}.{axis}": unit for what, unit in (("force", "N"), ("torque", "N m")) for axis in "xyz"}, 5.9),
+    "rig.db3": (
+        {"joint_states.hip.position": "rad", "joint_states.hip.velocity": "rad/s", "joint_states.hip.effort": "N m", "pad.force": "N"},
+        0.59,
+    ),
     "episodes.parquet": ({f"{what}.{k}": None for what in ("observation.state", "action") for k in (0, 1)}, 2.9),
 }
-LIBRARY = {"json.mcap": "mcap", "ros2.mcap": "rosbags", "ft.bag": "rosbags", "episodes.parquet": "pyarrow"}
+LIBRARY = {"json.mcap": "mcap", "ros2.mcap": "rosbags", "ft.bag": "rosbags", "rig.db3": "rosbags", "episodes.parquet": "pyarrow"}
 MODULES = {"mcap": ["mcap.reader"], "rosbags": ["rosbags.highlevel"], "pyarrow": ["pyarrow.parquet"]}
-RATE = {"json.mcap": 100.0, "ros2.mcap": 50.0, "ft.bag": 100.0, "episodes.parquet": 30.0}
+RATE = {"json.mcap": 100.0, "ros2.mcap": 50.0, "ft.bag": 100.0, "rig.db3": 50.0, "episodes.parquet": 30.0}
 
 
 @pytest.mark.parametrize("name", HELD)
@@ -56,3 +62,15 @@ def test_a_library_that_is_missing_is_an_error_with_what_to_type(data, name, tmp
     (tmp_path / "log").write_bytes(data)
     with pytest.raises(ss.InputError, match=rf"{name}, which is not installed; type pip install \"stickslip\[robot\]\""):
         ss.read(tmp_path / "log")
+
+
+def test_what_is_no_bag_in_sqlite_is_said_and_topics_of_unknown_types_are_named(tmp_path):
+    pytest.importorskip("rosbags", reason="the extra [robot] is not installed")
+    robot_files.WRITERS["rig.db3"](tmp_path / "rig.db3")
+    assert any("/camera left out" in note and "vendor_msgs/msg/Frame" in note for note in ss.read(tmp_path / "rig.db3").notes)
+    with contextlib.closing(sqlite3.connect(tmp_path / "other.db")) as file:
+        file.execute("CREATE TABLE topics(a)")  # and messages that a view makes up without end
+        file.execute("CREATE VIEW messages AS WITH RECURSIVE n(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM n) SELECT x FROM n")
+        file.commit()
+    with pytest.raises(ss.InputError, match="is no bag of ROS 2"):
+        ss.read(tmp_path / "other.db")

@@ -80,6 +80,7 @@ FORMATS = [
     Format(("XLSX",), lambda data: data[:4] == b"PK\x03\x04", "spreadsheets.parse_xlsx", apart=True, library="openpyxl"),
     Format(("MCAP",), lambda data: data[:8] == b"\x89MCAP0\r\n", "robot_logs.parse_mcap"),
     Format(("ROS bag",), lambda data: data[:9] == b"#ROSBAG V", "robot_logs.parse_bag"),
+    Format(("ROS 2 bag",), lambda data: data[:16] == b"SQLite format 3\0", "ros2_bags.parse", apart=True),
     Format(("Parquet",), lambda data: data[:4] == b"PAR1", "robot_logs.parse_parquet"),
     Format(("UFF58",), _is_uff, "uff.parse", ("byte_order",)),
     Format(("BAM's JSON",), is_log, "bam_logs.parse"),
@@ -104,7 +105,7 @@ def formats_in_words() -> str:
     Examples
     --------
     >>> formats_in_words()
-    "CSV, TSV, TXT, JSON, BAM's JSON, UFF58, Parquet, ROS bag, MCAP, XLSX, TDMS, MATLAB, netCDF and HDF5"
+    "CSV, TSV, TXT, JSON, BAM's JSON, UFF58, Parquet, ROS 2 bag, ROS bag, MCAP, XLSX, TDMS, MATLAB, netCDF and HDF5"
     """
     *names, last = [name for known in reversed(FORMATS) for name in known.names]
     return f"{', '.join(names)} and {last}"

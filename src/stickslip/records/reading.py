@@ -43,7 +43,7 @@ def read(
 ) -> Record:
     r"""Read a measured record: CSV, TSV, TXT, JSON, UFF58, MATLAB (v4 to v7.3), TDMS, netCDF, HDF5 or XLSX; or a data frame.
 
-    Robot logs are read too: MCAP, ROS bag, Parquet (LeRobot) and BAM's JSON.
+    Robot logs are read too: MCAP, ROS bag, ROS 2 bag, Parquet (LeRobot) and BAM's JSON.
 
     Separator, decimal mark, headings and units are recognised. Units are never guessed: a channel without one is read with ``unit=None``
     and a line in `Record.notes`; the first step that needs the unit stops and shows what to type.

@@ -27,11 +27,12 @@ _MOST = 64  # numbers of a list that become channels of their own
 _TURNS = "joints are read as ones that turn: rad, rad/s and N m; for one that slides, type its units"
 
 
-def _library(name: str, what: str) -> Any:
+def robot_library(name: str, what: str) -> Any:
+    """A library of the extra [robot], or the error that says what to type."""
     return library(name, what, "robot")
 
 
-class _Topics:
+class Topics:
     """Numbers of messages by their names, each with the times at which it came."""
 
     def __init__(self, allowance: Allowance):
@@ -109,7 +110,7 @@ def _leaves(path: str, value: Any, unit: str | None) -> Iterator[tuple[str, floa
 # ---- MCAP ----
 def parse_mcap(data: bytes, allowance: Allowance) -> Raw:
     """The messages of an MCAP file in JSON, or in the encodings of ROS."""
-    reader, topics = _library("mcap.reader", "MCAP"), _Topics(allowance)
+    reader, topics = robot_library("mcap.reader", "MCAP"), Topics(allowance)
     strange: dict[str, str] = {}
     with damage_reported("MCAP"):
         stores: dict[int, Any] = {}
@@ -129,7 +130,7 @@ def parse_mcap(data: bytes, allowance: Allowance) -> Raw:
 
 def _decoder(name: str, definition: str, encoding: str) -> Any:
     """What makes a message of bytes, by its definition in the file."""
-    typesys = _library("rosbags.typesys", "ROS")
+    typesys = robot_library("rosbags.typesys", "ROS")
     store = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE if encoding == "cdr" else typesys.Stores.ROS1_NOETIC)
     full = name if "/msg/" in name else name.replace("/", "/msg/", 1)
     known = typesys.get_types_from_msg(definition, full)
@@ -140,7 +141,7 @@ def _decoder(name: str, definition: str, encoding: str) -> Any:
 # ---- bags ----
 def parse_bag(data: bytes, allowance: Allowance) -> Raw:
     """The messages of a bag of ROS 1 (.bag)."""
-    highlevel, topics = _library("rosbags.highlevel", "ROS bag"), _Topics(allowance)
+    highlevel, topics = robot_library("rosbags.highlevel", "ROS bag"), Topics(allowance)
     with damage_reported("ROS bag"), tempfile.TemporaryDirectory() as folder:
         path = write_whole(Path(folder) / "log.bag", data, unwritable("read"))
         with highlevel.AnyReader([path]) as reader:
@@ -152,7 +153,7 @@ def parse_bag(data: bytes, allowance: Allowance) -> Raw:
 # ---- Parquet ----
 def parse_parquet(data: bytes, allowance: Allowance) -> Raw:
     """The columns of a table in Parquet; lists of numbers, as LeRobot has states and actions, become columns of their own."""
-    parquet = _library("pyarrow.parquet", "Parquet")
+    parquet = robot_library("pyarrow.parquet", "Parquet")
     with damage_reported("Parquet"):
         file = parquet.ParquetFile(io.BytesIO(data))
         described = file.metadata
