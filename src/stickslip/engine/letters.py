@@ -102,6 +102,9 @@ class Formula:
     def __le__(self, other: Numeric) -> SymbolicCondition:
         return SymbolicCondition(self.expression <= expression_of(other))
 
+    def __ss_is_zero__(self) -> bool:
+        return bool(self.expression == 0)
+
     def __ss_sqrt__(self) -> Formula:
         return Formula(sympy.sqrt(self.expression))
 

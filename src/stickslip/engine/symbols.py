@@ -118,6 +118,9 @@ class Sym:
     def __ss_sqrt__(self) -> Sym:
         return self.graph.power(self, 0.5)
 
+    def __ss_is_zero__(self) -> bool:
+        return is_zero(self)
+
     def __ss_within__(self, period: Any) -> Sym:
         if not self.graph.begins_anew and self.graph.varies(self):
             raise TraceError("time goes on here and never begins anew with a period, so within(t, period) is not known; write sin and cos")

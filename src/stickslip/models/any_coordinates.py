@@ -23,6 +23,7 @@ from stickslip.models.friction.law_adapter import LawAdapter, adapted
 from stickslip.models.linear_equations import product, solved, total
 from stickslip.models.mechanics import SOME, Mechanics, Numbers
 from stickslip.models.placed_contacts import PlacedContact
+from stickslip.models.rails import pressed_while_sliding
 
 GRAVITY = 9.81  # of a machine that does not say its own [m/s^2]
 _LOOKS = 8  # instants of a period at which applied forces are looked at for their size
@@ -185,8 +186,20 @@ class AnyCoordinates(Mechanics):
 
     def loads(self, t: Numeric, q: Numbers, u: Numbers | None = None, z: Numbers | None = None) -> Parts:
         """Normal force on each contact [N]."""
-        named = dict(zip(self.bodies, q, strict=True))
-        return tuple(c.load(t, dict(named)) if callable(c.load) else c.load for c in self.joints.values())
+        return tuple(self.load(i, t, q, u, z) for i in range(len(self.contacts)))
+
+    def load(self, i: int, t: Numeric, q: Numbers, u: Numbers | None = None, z: Numbers | None = None) -> Any:
+        """Normal force on one contact [N]; of a rail that holds a body on both sides the one that its motion asks for while it slips."""
+        contact = self.joints[self.contacts[i]]
+        if self.touching[i].is_held:
+            return pressed_while_sliding(self, i, t, q, (0.0,) * len(self.bodies) if u is None else u, z)
+        return contact.load(t, dict(zip(self.bodies, q, strict=True))) if callable(contact.load) else contact.load
+
+    @cached_property
+    def of_motion(self) -> tuple[bool, ...]:  # type: ignore[override]
+        """Of each contact, whether its load follows from the motion."""
+        held = tuple(contact.is_held for contact in self.touching)
+        return held if any(held) else ()
 
     def difference(self, i: int) -> bool:
         """Whether several coordinates decide a slip."""

@@ -1,18 +1,23 @@
-"""Sums, products and linear equations of floats, arrays or symbols, in which a plain zero costs nothing."""
+"""Sums, products and linear equations of floats, arrays or symbols, in which zero costs nothing."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+import numpy as np
+
 
 def is_nothing(value: Any) -> bool:
-    """Whether a value is a plain zero, and neither a symbol nor an array."""
-    return isinstance(value, (int, float)) and value == 0
+    """Whether a value is zero: a plain zero, an array of zeros, or a symbol that knows it (``__ss_is_zero__``)."""
+    if isinstance(value, (int, float)):
+        return value == 0
+    hook = getattr(value, "__ss_is_zero__", None)
+    return bool(hook()) if hook is not None else isinstance(value, np.ndarray) and not value.any()
 
 
 def product(a: Any, b: Any) -> Any:
-    """a times b; a plain zero or one is not multiplied.
+    """a times b; zero or one is not multiplied.
 
     Examples
     --------
@@ -27,7 +32,7 @@ def product(a: Any, b: Any) -> Any:
 
 
 def total(terms: Iterable[Any]) -> Any:
-    """The sum of terms, without plain zeros.
+    """The sum of terms, without zeros.
 
     Examples
     --------

@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import inspect
+import itertools
 from dataclasses import dataclass
 from typing import Any
 
@@ -291,3 +292,18 @@ def _mirrored_parts(value: Numeric) -> Any:
     if isinstance(value, tuple):
         return tuple(map(_mirrored_parts, value))
     return mirrored_law(value) if dataclasses.is_dataclass(value) and not isinstance(value, type) else value
+
+
+_SLIPS, _LOADS = (-1.0, -1e-3, 1e-3, 1.0), (0.0, 1e-3, 1.0, 3.0, 100.0)  # at which laws are asked how they grow with the load
+
+
+def is_affine(law: LawAdapter) -> bool:
+    """Whether the sliding force of a law grows with the load at one rate: what it makes of an impulse is then known."""
+    import numpy as np
+
+    for v in _SLIPS:
+        forces = [np.asarray(law.sliding(v, load), float) for load in _LOADS]
+        rates = [(b - a) / (q - p) for (a, b), (p, q) in zip(itertools.pairwise(forces), itertools.pairwise(_LOADS), strict=True)]
+        if any(np.any(abs(rate - rates[0]) > 1e-9 * (abs(rate) + abs(rates[0]))) for rate in rates):
+            return False
+    return True

@@ -13,16 +13,14 @@ from stickslip.basics.fields import checked_number, describe, everywhere
 from stickslip.basics.quantities import GRAVITIES, Rule, positive
 from stickslip.models.controllers import NEEDS
 from stickslip.models.forces import check_law
-from stickslip.models.friction.law_adapter import adapted
+from stickslip.models.friction.law_adapter import adapted, is_affine
 from stickslip.models.instant_forces import LOADS, arguments_of_load
 from stickslip.models.machines.parts import Body, Contact, Link, Stop
 
 if TYPE_CHECKING:
-    from stickslip.models.friction.law_adapter import LawAdapter
     from stickslip.models.mechanics import Mechanics
 
 
-_SLIPS, _LOADS = (-1.0, -1e-3, 1e-3, 1.0), (0.0, 1e-3, 1.0, 3.0, 100.0)  # at which laws are asked how they grow with the load
 _CLOSED = 1e-6  # of how far a prescribed distance goes: how well it has to come back after the period
 _SAME = 1e-9  # of positions: how near they have to be to the distance that is prescribed at the start
 _EXAMPLES = {
@@ -178,7 +176,7 @@ def _check_flight(name: str, contact: Any, mechanics: Any, problems: Problems) -
         )
     checked_number(where, contact.restitution, problems, lambda e: (e >= 0) & (e < 1), "from 0 to below 1", "restitution=0.3")
     law = adapted(contact.friction)
-    if not law.dynamic and not _is_affine(law):
+    if not law.dynamic and not is_affine(law):
         problems.add(
             f"{where}: the friction of {law.name} is not proportional to the load, so that an impact has no impulse along; allowed is a "
             "law that is, such as ss.Coulomb; type restitution=None for a run that ends where the load falls to zero"
@@ -192,18 +190,6 @@ def _check_flight(name: str, contact: Any, mechanics: Any, problems: Problems) -
             f"{where}: a body that flies and lands has this contact alone, on the track or on a motion, and {contact.body!r} {why}; "
             "type restitution=None: a run then ends where the load falls to zero"
         )
-
-
-def _is_affine(law: LawAdapter) -> bool:
-    """Whether the sliding force of a law grows with the load at one rate: what it makes of an impulse is then known."""
-    import numpy as np
-
-    for v in _SLIPS:
-        forces = [np.asarray(law.sliding(v, load), float) for load in _LOADS]
-        rates = [(b - a) / (q - p) for (a, b), (p, q) in zip(itertools.pairwise(forces), itertools.pairwise(_LOADS), strict=True)]
-        if any(np.any(abs(rate - rates[0]) > 1e-9 * (abs(rate) + abs(rates[0]))) for rate in rates):
-            return False
-    return True
 
 
 def _check_ends(what: str, ends: Any, bodies: dict[str, Any], problems: Problems) -> None:

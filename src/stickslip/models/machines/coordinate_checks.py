@@ -11,8 +11,10 @@ from stickslip.basics.fields import checked_number, everywhere
 from stickslip.basics.time_rates import Moving
 from stickslip.models.any_coordinates import AnyCoordinates, inertia_of_machine, kinetic_of_machine, places_of_machine
 from stickslip.models.forces import check_law
+from stickslip.models.friction.law_adapter import TINY, is_affine
 from stickslip.models.machines.parts import Body, Contact
 from stickslip.models.placed_contacts import PlacedContact
+from stickslip.models.rails import loose
 
 _SAME = 1e-9  # of its size: how much a row may differ from place to place
 _FLAT = 1e-12  # of the product of a matrix's diagonal: a determinant that is zero
@@ -114,7 +116,9 @@ def _check_contact(name: Any, contact: Any, machine: Any, problems: Problems) ->
     if contact.hold not in (None, "both"):
         problems.add(f'{where}.hold = {contact.hold!r}; contacts that lift off are not there yet; allowed is "both"; type hold="both"')
     if contact.load is None:
-        problems.add(f"{where}.load is not given; allowed is a force [N], or a function of time and coordinates; type load=1.0")
+        rail = '; or a rail that holds it on both sides: type hold="both"' if of_body else ""
+        if contact.hold != "both" or not of_body:
+            problems.add(f"{where}.load is not given; allowed is a force [N], or a function of time and coordinates; type load=1.0{rail}")
     elif not callable(contact.load):
         checked_number(f"{where}.load", contact.load, problems, None, "a force [N], or a function of time and coordinates", "load=1.0")
     if contact.restitution is not None:
@@ -144,6 +148,9 @@ def _check_numbers(m: AnyCoordinates, problems: Problems) -> None:
         )
     for name, contact in zip(m.contacts, m.touching, strict=True) if not problems.mistakes else ():
         _check_row(name, contact, states, problems)
+    for i, contact in enumerate(m.touching if not problems.mistakes else ()):
+        if contact.is_held:
+            _check_rail(m, i, problems)
 
 
 def _lost(m: AnyCoordinates, states: list[tuple[float, ...]]) -> list[str]:
@@ -167,6 +174,30 @@ def _lost(m: AnyCoordinates, states: list[tuple[float, ...]]) -> list[str]:
             lost.append(name)
             break
     return lost
+
+
+def _check_rail(m: AnyCoordinates, i: int, problems: Problems) -> None:
+    """Note a rail whose load cannot be solved for."""
+    where, given, law = f"contacts()[{m.contacts[i]!r}]", m.touching[i].contact, m.laws[i]
+    type_load = "type load=, a force [N] or a function of time and coordinates"
+    if len(m.contacts) > 1:
+        problems.add(f"{where}: a load that follows from the motion is solved for where it is the only contact; {type_load}")
+    if len(m.along(0.0, m.start)[given.body]) == 1:
+        problems.add(f"{where}: {given.body!r} moves along a line, which has no normal; its place has to be (x, z); or {type_load}")
+    elif m.touching[i].rubs_on_body and loose(m) != [given.on]:
+        others = ", ".join(repr(name) for name in loose(m) if name != given.on)
+        problems.add(f"{where}: what bears {others} is not known; {type_load}")
+    if given.on is not None and not isinstance(given.on, str):
+        problems.add(f"{where}.on = {given.on!r}; a load that follows from the motion is solved for on rails that do not move; {type_load}")
+    if law.dynamic:
+        problems.add(f"{where}: {law.name} has inner states, and its friction and its load would follow from one another; {type_load}")
+    elif not is_affine(law) or any(not everywhere(abs(law.sliding(side, 0.0)) == 0.0) for side in (1.0, -1.0)):
+        problems.add(f"{where}: the friction of {law.name} is not proportional to the load, as that of ss.Coulomb is; {type_load}")
+    elif any(
+        not everywhere(abs(limit - law.sliding(side * TINY, 1.0)) <= _SAME * abs(limit))
+        for side, limit in zip((-1.0, 1.0), law.breakaway(1.0), strict=True)
+    ):
+        problems.add(f"{where}: static friction above kinetic is not there yet with a load that follows from the motion; {type_load}")
 
 
 def _check_row(name: str, contact: PlacedContact, states: list[tuple[float, ...]], problems: Problems) -> None:

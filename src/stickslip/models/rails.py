@@ -1,0 +1,74 @@
+r"""Rails: the normal force on a contact that holds a body on both sides, from the motion.
+
+.. math:: N = |\lambda|, \qquad \lambda = n \cdot \sum_b (m_b a_b - F_b) = \lambda_0 - C R,
+
+where n is the normal of the rail, the sum is over the bodies that it bears, with their weights among the forces F, and R is the
+friction force of the rail itself, which changes accelerations. While it slips, R = b N with the law's friction b for a load of one, so that
+:math:`N = |\lambda_0| / (1 + b\,C \operatorname{sign} \lambda_0)`; at rest R is what holds it.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.basics.contracts import Numeric
+from stickslip.basics.maths import where
+from stickslip.models.friction.law_adapter import TINY
+from stickslip.models.linear_equations import product, total
+from stickslip.models.mechanics import Numbers
+
+
+def borne(mechanics: Any, i: int) -> tuple[str, ...]:
+    """The bodies that a rail bears: its own, those that rest on it, and those that nothing else holds."""
+    contacts = [contact.contact for contact in mechanics.touching if contact.is_held]
+    own = mechanics.touching[i].contact
+    names = [own.body]
+    for name in names:  # grows while it is walked
+        names += [c.body for c in contacts if c.on == name and c.body not in names]
+    if not mechanics.touching[i].rubs_on_body:
+        names += loose(mechanics)
+    return tuple(names)
+
+
+def loose(mechanics: Any) -> list[str]:
+    """Bodies that no rail holds."""
+    held = {contact.contact.body for contact in mechanics.touching if contact.is_held}
+    return [name for name in mechanics.placed if name not in held]
+
+
+def reaction(mechanics: Any, i: int, t: Numeric, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> Any:
+    """The force of a rail along its normal, under given friction forces [N]."""
+    normal, slopes, moved = mechanics.touching[i].normal_at(q), mechanics.slopes(t, q), mechanics.moved(t, q, u)
+    a, terms = mechanics.accelerations(t, q, u, R, z), []
+    for name in borne(mechanics, i):
+        forces = mechanics.forces_on(name, t, moved[name])
+        for part, along in enumerate(normal[: len(moved[name])]):
+            gained = total([moved[name][part].second, *(product(slope[name][part], of) for slope, of in zip(slopes, a, strict=True))])
+            force = total([product(mechanics.placed[name].mass, gained), product(-1.0, forces[part])])
+            terms.append(product(along, force))
+    return total(terms)
+
+
+def yielding(mechanics: Any, i: int, t: Numeric, q: Numbers) -> Any:
+    """How much of the force of a rail its friction of one newton takes."""
+    normal, slopes = mechanics.touching[i].normal_at(q), mechanics.slopes(t, q)
+    a, terms = mechanics.pushed(t, q, mechanics.rows(t, q)[i]), []
+    for name in borne(mechanics, i):
+        for part, along in enumerate(normal[: len(slopes[0][name])]):
+            gained = total(product(slope[name][part], of) for slope, of in zip(slopes, a, strict=True))
+            terms.append(product(along, product(mechanics.placed[name].mass, gained)))
+    return total(terms)
+
+
+def pressed_while_sliding(mechanics: Any, i: int, t: Numeric, q: Numbers, u: Numbers, z: Numbers | None) -> Any:
+    """The normal force on a rail while its body slips, or is about to, to the side of its slip [N]."""
+    slip = mechanics.slips(t, u)[i]
+    if isinstance(slip, float):
+        slip = float(slip) or TINY
+    elif isinstance(slip, np.ndarray):
+        slip = np.where(slip == 0.0, TINY, slip)
+    free = reaction(mechanics, i, t, q, u, (0.0,) * len(mechanics.contacts), z)
+    side = where(free > 0.0, 1.0, -1.0)
+    return side * free / (1.0 + mechanics.laws[i].sliding(slip, 1.0) * yielding(mechanics, i, t, q) * side)

@@ -1,0 +1,167 @@
+"""Contacts that hold a body on both sides, whose loads follow from the motion."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import stickslip as ss
+from rows import each_row
+from stickslip.basics.errors import InputError
+from stickslip.maths import cos, sin
+
+M, BOB, LENGTH, G, MU = 1.0, 0.8, 0.5, 9.81, 0.1
+START = {"x": {"angle": 1.5}, "v": {}}
+
+
+@dataclass(frozen=True, eq=False)
+class CartPole(ss.Machine):
+    """A pendulum on a cart on a rail."""
+
+    cart: float
+    bob: float
+    length: float
+    friction: Any
+    coordinates = ("x", "angle")
+
+    def bodies(self):
+        return {"cart": ss.Body(self.cart), "bob": ss.Body(self.bob)}
+
+    def places(self, t, q):
+        return {"cart": (q["x"], 0.0), "bob": (q["x"] + self.length * sin(q["angle"]), -self.length * cos(q["angle"]))}
+
+    def contacts(self):
+        return {"rail": ss.Contact("cart", self.friction, hold="both")}
+
+
+@dataclass(frozen=True, eq=False)
+class Wedge(ss.Machine):
+    """A block that slides down a wedge, which is free to go backwards."""
+
+    wedge: float
+    block: float
+    slope: float
+    friction: Any
+    coordinates = ("x", "down")
+
+    def bodies(self):
+        return {"wedge": ss.Body(self.wedge), "block": ss.Body(self.block)}
+
+    def places(self, t, q):
+        return {"wedge": (q["x"], 0.0), "block": (q["x"] + q["down"] * cos(self.slope), -q["down"] * sin(self.slope))}
+
+    def contacts(self):
+        return {"face": ss.Contact("block", self.friction, on="wedge", hold="both")}
+
+
+POLE = CartPole(M, BOB, LENGTH, ss.Coulomb(MU, MU))
+
+
+def by_hand(end):
+    """Events and end of the cart with pendulum: accelerations and load as three linear equations, rest and break-away by hand."""
+    ml = BOB * LENGTH
+
+    def sliding(y, side):
+        c, s = np.cos(y[1]), np.sin(y[1])
+        A = [[M + BOB, ml * c, side * MU], [ml * c, ml * LENGTH, 0.0], [0.0, -ml * s, 1.0]]
+        return np.linalg.solve(A, [ml * s * y[3] ** 2, -ml * G * s, (M + BOB) * G + ml * c * y[3] ** 2])
+
+    def resting(y):
+        c, s = np.cos(y[1]), np.sin(y[1])
+        a = -G * s / LENGTH
+        return ml * s * y[3] ** 2 - ml * c * a, (M + BOB) * G + ml * (s * a + c * y[3] ** 2)
+
+    def side_of(y):
+        R, N = resting(y)
+        return 0 if abs(R) < MU * N else int(np.sign(R))
+
+    t, y, events = 0.0, np.array([0.0, 1.5, 0.0, 0.0]), []
+    side = side_of(y)
+    while t < end:
+        if side:
+            rates, guards = (lambda t, y, side=side: [y[2], y[3], *sliding(y, side)[:2]]), [lambda t, y, side=side: side * y[2]]
+        else:
+            rates = lambda t, y: [0.0, y[3], 0.0, -G * np.sin(y[1]) / LENGTH]  # noqa: E731
+            guards = [lambda t, y, way=way: MU * resting(y)[1] - way * resting(y)[0] for way in (1, -1)]
+        for guard in guards:
+            guard.terminal, guard.direction = True, -1
+        done = solve_ivp(rates, (t, end), y, "DOP853", rtol=1e-12, atol=1e-13, events=guards)
+        t, y = done.t[-1], done.y[:, -1].copy()
+        if done.status == 1:
+            events.append(t)
+            side = side_of(y) if side else 1 if len(done.t_events[0]) else -1
+            y[2] = side * 1e-15
+    return events, y
+
+
+def test_a_cart_on_a_rail_is_that_of_a_program_by_hand():
+    """Slip, rest and break-away under a load that friction itself changes, to 1e-10; and of the judge."""
+    events, end = by_hand(4.0)
+    run, judge = (ss.solve(POLE, duration=4.0, start=START, **given) for given in ({}, {"method": "dop853", "rtol": 1e-12}))
+    assert run.method == "exact" and {e.kind for e in run.events} >= {"stick", "slip", "reversal"}
+    for times, last in ((events, end), ([e.t for e in judge.events], np.r_[judge.x[-1], judge.v[-1]])):
+        assert len(times) == len(run.events) and np.max(abs(np.array(times) - [e.t for e in run.events])) < 1e-10
+        assert np.allclose(np.r_[run.x[-1], run.v[-1]], last, rtol=0, atol=1e-10)
+
+
+def test_the_load_is_what_the_motion_asks_for():
+    """Weight of both, and mass times the upward acceleration of the bob, while it slips and while it rests."""
+    run = ss.solve(POLE, duration=4.0, start=START)
+    at = run.at(np.linspace(0.01, 3.99, 500))
+    (angle, rate), a = (at[name].T[1] for name in ("x", "v")), at["acceleration"]
+    up = LENGTH * (np.sin(angle) * a[:, 1] + np.cos(angle) * rate**2)
+    assert np.allclose(at["load"][:, 0], (M + BOB) * G + BOB * up, rtol=0, atol=1e-11)
+    rests, friction = at["mode"][:, 0] == 0, at["friction_force"][:, 0]
+    assert rests.any() and np.all(abs(friction[rests]) <= MU * at["load"][rests, 0] * (1 + 1e-12))
+    assert np.allclose(abs(friction[~rests]), MU * at["load"][~rests, 0], rtol=1e-12)
+    assert np.array_equal(run.contacts["rail"].load, run.load[:, 0])
+
+
+def test_energy_on_a_rail_is_balanced_to_rounding():
+    assert np.max(abs(ss.energy(ss.solve(POLE, duration=4.0, start=START)).residual)) < 1e-13
+
+
+@each_row("wedge, block, slope, mu", [(2.0, 0.5, 0.5, 0.2), (0.4, 1.3, 0.9, 0.35), (5.0, 0.1, 0.3, 0.0)])
+def test_a_block_on_a_wedge_goes_as_in_closed_form(wedge, block, slope, mu):
+    """N = m g cos a / (1 + (m/M) sin a (sin a - mu cos a)), and both accelerations by it."""
+    run = ss.solve(Wedge(wedge, block, slope, ss.Coulomb(mu, mu)), duration=1.0)
+    c, s = np.cos(slope), np.sin(slope)
+    N = block * G * c / (1 + block / wedge * s * (s - mu * c))
+    back, down = -N * (s - mu * c) / wedge, (block * G - N * (c + mu * s)) / (block * s)
+    assert np.allclose(run.load[1:, 0], N, rtol=1e-12)
+    assert np.allclose(run.x[-1], [0.5 * back, 0.5 * down], rtol=0, atol=1e-11)
+    assert run.bodies["block"].z[-1] == pytest.approx(-0.5 * down * s, abs=1e-11)
+
+
+def test_a_block_stays_on_a_wedge_that_is_not_steep():
+    run = ss.solve(Wedge(2.0, 0.5, 0.2, ss.Coulomb(0.3, 0.3)), duration=1.0)
+    assert np.all(run.contacts["face"].mode == 0) and np.allclose(run.x, 0.0, rtol=0, atol=1e-15)
+    assert np.allclose(run.contacts["face"].load, 0.5 * G * np.cos(0.2), rtol=1e-13)
+
+
+def both(self):
+    return {"rail": ss.Contact("cart", self.friction, hold="both"), "pivot": ss.Contact("angle", self.friction, load=0.1)}
+
+
+def rail(self, body, **given):
+    return {"rail": ss.Contact(body, self.friction, hold="both", **given)}
+
+
+@each_row(
+    "changed, law, words",
+    [
+        ({}, ss.friction.LuGre.example(), "has inner states"),
+        ({}, ss.Coulomb(0.1, 0.1, f_plus=0.2, f_minus=0.2), "static friction above kinetic is not there yet"),
+        ({"contacts": both}, ss.Coulomb(0.1, 0.1), "solved for where it is the only contact"),
+        ({"contacts": lambda self: rail(self, "bob")}, ss.Coulomb(0.1, 0.1), "allowed is one coordinate"),
+        ({"contacts": lambda self: rail(self, "cart", on=0.1)}, ss.Coulomb(0.1, 0.1), "do not move"),
+    ],
+)  # fmt: skip
+def test_a_load_that_cannot_be_solved_for_is_said_with_what_to_type(changed, law, words):
+    with pytest.raises(InputError, match=re.escape(words)):
+        type("Other", (CartPole,), changed)(M, BOB, LENGTH, law)
