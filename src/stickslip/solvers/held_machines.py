@@ -315,7 +315,7 @@ def check_one_machine(machine: Any, who: str) -> None:
     if not is_machine(machine):
         flows = " or a SwitchingFlow" if who == "simulation" else ""
         allowed = f"allowed is a Robot, a mechanism{'' if flows else ' or'}{',' if flows else ''} a machine of several bodies{flows}"
-        raise InputError(who, [f"{machine!r} is not a machine; {allowed}; type for example ss.simulation(ss.Joint.example())"])
+        raise InputError(who, [f"{machine!r} is not a machine; {allowed}; type for example ss.{who}(ss.Joint.example())"])
     if shape := labels_of(machine).shape:
         what = f"the {type(machine).__name__} is a batch of shape {shape}"
         raise InputError(who, [f"{what}; allowed is one case; type ss.solve(machine) for a batch"])

@@ -131,6 +131,7 @@ def machine_in_c(
         is_pushed = any(name in forces for name in asked)
         model = pushed(machine) if is_pushed else machine
         _check_compiles(machine, todo.machine.laws, who)
+        method_for(todo.method, machine, pauses=True)  # which names the machine where none does
         chosen: Any = method_for(todo.method, model, pauses=True)
         tableau, tolerance = chosen.steps(replace(todo, model=model))
         check_numbers(model)
