@@ -234,7 +234,7 @@ _PARTS = {
 
 
 def _check_masses(drive: Drive, mass: Any, problems: Problems) -> None:
-    """Note inner masses that are not as many as their drives; a list was told already."""
+    """Note inner masses that are not as many as their drives; the error of a list was reported already."""
     counts = [len(part) if isinstance(part, tuple) else None for part in (mass, drive)]
     if isinstance(mass, list) or isinstance(drive, list) or (counts[0] == counts[1] and counts[0]):
         return

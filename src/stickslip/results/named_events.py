@@ -132,7 +132,7 @@ class _Signal:
 
     @property
     def _resolved(self) -> float:
-        """What a touch is told from, as a part of the function's largest value."""
+        """The size below which the function counts as touching zero, as a part of the function's largest value."""
         return _RESOLVED if self.run.method in ("exact", "taylor") else max(_RESOLVED, float(self.run.rtol))
 
     def _passed(self, t: Array, index: Array, g: Array, sign: Array, band: float, size: float) -> list[tuple[float, int, int]]:

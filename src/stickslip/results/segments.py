@@ -99,7 +99,7 @@ def _sums(number: Array, weights: Array) -> Array:
 
 
 def _labels(time: Array, code: Array, valid: Array, dwell: float) -> tuple[Array, Array]:
-    """+1, 0, -1 for each segment, with short elastic runs told by the sign of v; and how near one of them came to `dwell`."""
+    """+1, 0, -1 for each segment, with short elastic runs classified by the sign of v; and how near one of them came to `dwell`."""
     elastic = valid & (abs(code) == 1)
     if not elastic.any():
         return np.sign(code), np.full(time.shape[1], np.inf)

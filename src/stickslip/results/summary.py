@@ -133,7 +133,7 @@ class Summary(Drawn, BatchFiles):
 
     @property
     def notes(self) -> list[str]:
-        """Sentences on cases that are not steady, and what to type, whose bodies moved apart, or in which forces at rest are not told."""
+        """Sentences on cases that are not steady, and what to type, whose bodies moved apart, or whose forces at rest are undetermined."""
         counts = notes_of_cases(self.model, self.columns)
         of_parts = [f"{count} of {np.size(self.columns['status'])} cases: {sentence}" for sentence, count in counts.items()]
         left = int(np.sum(np.asarray(self.columns.get("status", 0)) == Status.NOT_COMPUTED))

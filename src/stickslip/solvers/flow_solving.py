@@ -102,7 +102,7 @@ def flow_columns(flow: Any, y: Array, mode: Any, span: float, settled: float, wh
 
 
 def _period(flow: Any, nodes: Array, c: Array, end: Array) -> int:
-    """After how many periods of the forcing the motion repeats; 0 if that is not seen."""
+    """After how many periods of the forcing the motion repeats; 0 if it does not repeat within the run."""
     T = float(flow.period)
     t = nodes[0] + np.arange(int((nodes[-1] - nodes[0]) / T + 1e-9) + 1) * T
     if len(t) < 3:

@@ -24,7 +24,7 @@ def method(rtol: float) -> tuple[Series, float]:
 
 
 def series_refusal(model: Model) -> str | None:
-    """None where Taylor series take a machine, or why not; a kind that was seen before costs nothing."""
+    """None where Taylor series take a machine, or why not; a kind that was asked before costs nothing."""
 
     def reason() -> str | None:
         check_numbers(model)

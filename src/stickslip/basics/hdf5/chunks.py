@@ -95,7 +95,7 @@ def _in_order(data: bytes, size: int, parameters: tuple[int, ...]) -> bytes:
 
 
 def _without_checksum(data: bytes, size: int, parameters: tuple[int, ...]) -> bytes:
-    """The bytes before their checksum; Fletcher's sums of words of 16 bits are told modulo 65535."""
+    """The bytes before their checksum; Fletcher's sums of words of 16 bits are equal modulo 65535."""
     if len(data) < 4:
         raise ValueError(f"a chunk of {len(data)} bytes holds no checksum")
     data, kept = data[:-4], int.from_bytes(data[-4:], "little")

@@ -103,7 +103,7 @@ class UncertainPlaces:
         return next(("; ".join(why) for cell in free if (why := _reasons(level.points[cell]))), "")
 
     def _understood(self, here: ParameterPoint) -> bool:
-        """Whether all corners of a cell have the same motions, or differ by what is between them, seen from a place in the cell too."""
+        """Whether all corners of a cell have the same motions, or differ by what is between them, for a point within the cell too."""
         level, corners = corners_around(self.levels, here)
         if len(corners) == _CORNERS and len({level.points[cell].words for cell in corners}) == 1:
             return True

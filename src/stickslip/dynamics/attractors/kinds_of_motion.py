@@ -1,4 +1,4 @@
-"""Kinds of motion that starts settle on, and what is told of them."""
+"""Kinds of motion that starts settle on, and their descriptions."""
 
 from __future__ import annotations
 

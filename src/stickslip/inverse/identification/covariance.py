@@ -147,7 +147,7 @@ def correlations_of(covariance: ArrayLike) -> Any:
 
 
 def correlated(names: list[str], covariance: ArrayLike) -> list[tuple[str, str, float]]:
-    """Pairs of numbers that can hardly be told apart, and their correlation."""
+    """Pairs of numbers that the record hardly distinguishes, and their correlation."""
     table = correlations_of(covariance)
     return [(names[j], names[i], table[i, j]) for i in range(len(names)) for j in range(i) if abs(table[i, j]) > _TOGETHER]
 

@@ -330,5 +330,5 @@ def _said(half: int, noisy: float, turned: int) -> list[str]:
     """Sentences on windows."""
     sentences = [f"averages over windows of {2 * half - 1} samples are compared"] if half > 1 else []
     if noisy > _TOLD:
-        sentences.append(f"the noise of the motion is {noisy:.2g} of the acceleration, of which an inertia is told")
+        sentences.append(f"the noise of the motion is {noisy:.2g} of the acceleration, from which an inertia is determined")
     return sentences + ([f"{turned} values about reversals are left out"] if turned else [])

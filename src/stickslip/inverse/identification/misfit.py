@@ -61,7 +61,7 @@ def misfit_of(problem: Any, minimum: Any, changes: Any) -> Misfit:
 
 
 def _column(one: Structure, rows: Any, count: int, jacobian: Any, inverse: Any) -> Any:
-    """Directions of a structure with the size that it has there, as far as the numbers leave it to be seen."""
+    """Directions of a structure with the size that it has there, as far as the parameters leave it visible."""
     whole = np.zeros((count, one.basis.shape[1]))
     whole[rows] = one.basis
     visible = np.mean(np.sum((whole - jacobian @ (inverse @ whole)) ** 2, axis=0))

@@ -150,7 +150,7 @@ class Parameters:
                 return [self.model(values, record) for record in range(len(self.fixed))]
             except InputError as error:
                 said = said or f"{error} (at {', '.join(f'{name} = {value:.4g}' for name, value in values.items())})"
-        none = f"none of {len(points)} places between the bounds makes a model"
+        none = f"none of {len(points)} points between the bounds makes a model"
         raise InputError("identify", [f"{none}: {said}; mend that, or widen or correct the bounds"])
 
     def models(self, point: Array) -> list[Any] | None:

@@ -99,7 +99,7 @@ def _ends(
             judged.append(_judged(problem, points[i]))
     inside = seeds()
     if not order and not inside:
-        none = f"at none of {len(points)} places between the bounds can the model be solved"
+        none = f"at none of {len(points)} points between the bounds can the model be solved"
         raise InputError("identify", [f"{none}; widen or correct the bounds"])
     kept = _spread(sorted(judged, key=lambda pair: pair[0]), problem.first)
     if kept and problem.has_known_rows:  # what is known beforehand counts by the noise, of which the best point tells most

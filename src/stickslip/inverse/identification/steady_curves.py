@@ -149,7 +149,7 @@ def transient_curve(robot: Model, start: dict[str, float], periods: int, rtol: f
 
 
 def moves_alike_anywhere(model: Model) -> bool:
-    """Whether a machine moves the same wherever it stands, told from its equations at a few states and places; a pendulum does not."""
+    """Whether a machine moves the same wherever it stands, judged from its equations at a few states and positions; a pendulum does not."""
     m = machine_of(model).mechanics
     if m.controllers.counts or machine_of(model).wavelength is not None:
         return False

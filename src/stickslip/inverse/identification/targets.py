@@ -75,7 +75,7 @@ class Compared:
         return np.interp(self.time - delay, self.time, h)
 
     def mean_square(self, rest: Array, which: Any = slice(None)) -> float:
-        """Mean square of what is left of all samples, told from what is left of the values, or of some of them."""
+        """Mean square of what is left of all samples, from the residuals of the values, or of some of them."""
         return float(np.average(rest[which] ** 2, weights=(self.weight * np.ones(self.count))[which])) + self.within
 
 

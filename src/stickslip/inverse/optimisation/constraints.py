@@ -34,7 +34,7 @@ class Limit:
 
     @property
     def of_drive(self) -> bool:
-        """Whether it is told by the drives alone, without a run."""
+        """Whether it follows from the drives alone, without a run."""
         return self.name in LIMITS
 
     def values(self, machines: Any, columns: dict[str, Array]) -> Array:

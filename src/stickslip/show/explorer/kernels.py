@@ -196,15 +196,15 @@ def state_table(of_page: State, law: str) -> dict[str, Any]:
 
 
 def _helper(later: bool) -> Helper:
-    """A process that compiles; one for `later` has low priority."""
+    """A process that compiles; one for `later` has the lowest priority."""
     command = [sys.executable, "-m", "stickslip.show.explorer.kernels", *(["later"] if later else [])]
     return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, encoding="utf-8")
 
 
 def main() -> None:
     """Run the compiling process: it reads states from its input, one per line, and answers each when its kernel is ready."""
-    if "later" in sys.argv and hasattr(os, "nice"):
-        os.nice(10)
+    if hasattr(os, "nice"):
+        os.nice(10 if "later" in sys.argv else 5)  # the page's first picture comes before it
     for line in sys.stdin:
         wish = json.loads(line)
         of_page = state(wish["state"])

@@ -36,7 +36,7 @@ def ratios_above_one(study: ClaimData) -> PaperClaim:
 
 
 def kinetic_range(study: ClaimData) -> PaperClaim:
-    """.03 <= mu0 <= .21."""
+    """0.03 <= mu0 <= 0.21."""
     from stickslip.basics.errors import InputError
 
     slope, mu_plus = math.tan(math.radians(1.7)), rig(CASES[11]).friction.mu_plus

@@ -55,7 +55,7 @@ def _impulse(e: Equations, rows: list[int], rates: list[float], restitution: flo
 
 
 def closing_stops(e: Equations, t: float, y: ArrayLike, mode: ContactModes, rows: list[int]) -> dict[int, float]:
-    """Stops whose rebounds have become a geometric series that ends at once, or too low to be told from rounding, and when it does [s]."""
+    """Stops whose rebounds have become a geometric series that ends at once, or no higher than rounding, and when it does [s]."""
     rates = e.slips(t, e.state(y)[1])
     accelerations, small = e.slip_rates(t, y, mode), e.noise_of_gaps(e.state(y)[0])
     ends: dict[int, float] = {}

@@ -127,7 +127,7 @@ def vanishing(path: Path, points: list[Point]) -> tuple[float, float] | None:
 
 
 def border_of_rest(path: CyclePath, resting: Point, critical: float, spread: float) -> tuple[float, float] | None:
-    """Where the rest of cycles vanishes, and how sure that is, from cycles beside where it was seen to; None if they are not found."""
+    """Where the rest of cycles vanishes, and how sure that is, from cycles beside the point where it did; None without such cycles."""
     near = _near(path, resting, critical - np.sign(critical - resting.value) * spread * np.linspace(0.1, 1.0, _NEAR))
     border = None if near is None else _fitted(*near)
     return border if border and border[1] < spread and abs(border[0] - critical) < spread else None

@@ -78,7 +78,7 @@ def trace_branch(
 
 
 def _ended(path: Path, points: list[Point], why: str) -> tuple[str, Special | None]:
-    """Why the motions of a branch end where no further point was found, and the special point there; what was told if neither is known."""
+    """Why the motions of a branch end where no further point was found, and the special point there; else the solver's words."""
     name, last = path.family.parameters[0], points[-1]
     critical = vanishing(path, points)
     if critical is not None:

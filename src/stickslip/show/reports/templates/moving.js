@@ -3,11 +3,11 @@
 // Data: see moments() in show/reports/moving.py. Returns show(data), which draws other numbers at the same instant.
 function moving(box, first) { // eslint-disable-line no-unused-vars
   const NS = "http://www.w3.org/2000/svg", W = 640, TALL = 190, STOREY = 62;
-  const minus = (text) => text.replace("-", "\u2212"), told = (value, n = 4) => minus(String(Number(value.toPrecision(n))));
+  const minus = (text) => text.replace("-", "\u2212"), number = (value, n = 4) => minus(String(Number(value.toPrecision(n))));
   const zeroed = (v, size) => (Math.abs(v) < 1e-9 * size ? 0 : v); // rounding is 0
-  const make = (name, told = {}, parent = null) => {
+  const make = (name, attributes = {}, parent = null) => {
     const node = document.createElementNS(NS, name);
-    for (const [key, value] of Object.entries(told)) node.setAttribute(key, value);
+    for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
     parent?.append(node);
     return node;
   };
@@ -85,7 +85,7 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
       mark.style[b.v ? "stroke" : "fill"] = colour(i);
       item.append(swatch, b.name);
       return item;
-    }), el("li", "", `bar: ${told(one)} ${m.lengths} of motion`), el("li", "soft", "areas are proportional to masses; distances between bodies are not to scale"));
+    }), el("li", "", `bar: ${number(one)} ${m.lengths} of motion`), el("li", "soft", "areas are proportional to masses; distances between bodies are not to scale"));
   }
 
   // ---- velocities and contacts over time ----
@@ -100,8 +100,8 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
   function trace({ name, unit, curves }) {
     const tall = 110, all = curves.flatMap(([, y]) => y), low = Math.min(0, ...all), high = Math.max(0, ...all), level = (y) => 6 + ((tall - 12) * (high - y)) / (high - low || 1);
     const svg = row(name, tall, "velocity trace-of-own"), list = el("ul", "names");
-    svg.setAttribute("aria-label", `${name}: ${curves.map(([which, y]) => `${which}, ${told(Math.min(...y), 3)} to ${told(Math.max(...y), 3)} ${unit}`).join("; ")}`);
-    svg.previousSibling.append(el("small", "", `${told(high, 3)} ${unit}`), el("small", "", told(low, 3)));
+    svg.setAttribute("aria-label", `${name}: ${curves.map(([which, y]) => `${which}, ${number(Math.min(...y), 3)} to ${number(Math.max(...y), 3)} ${unit}`).join("; ")}`);
+    svg.previousSibling.append(el("small", "", `${number(high, 3)} ${unit}`), el("small", "", number(low, 3)));
     make("line", { x1: 0, x2: W, y1: level(0), y2: level(0), class: "faint" }, svg);
     curves.forEach(([which, y], i) => {
       const curve = make("polyline", { points: y.map((value, k) => `${across(m.t[k]).toFixed(1)},${level(value).toFixed(1)}`).join(" "), class: "trace", "stroke-dasharray": dash(i) }, svg);
@@ -119,8 +119,8 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
     const moved = m.bodies.filter((b) => b.v), all = moved.flatMap((b) => b.v), size = TALL - 16;
     const [low, high] = [Math.min(0, ...all), Math.max(0, ...all)].map((v, _, ends) => zeroed(v, ends[1] - ends[0]));
     up = (v) => 8 + (size * (high - v)) / (high - low || 1);
-    const svg = row("velocity", TALL, "velocity"), top = el("small", "", `${told(high, 3)} ${m.speeds}`), bottom = el("small", "", told(low, 3));
-    svg.setAttribute("aria-label", `velocity of ${moved.map((b) => b.name).join(", ")}: ${told(low, 3)} to ${told(high, 3)} ${m.speeds}`);
+    const svg = row("velocity", TALL, "velocity"), top = el("small", "", `${number(high, 3)} ${m.speeds}`), bottom = el("small", "", number(low, 3));
+    svg.setAttribute("aria-label", `velocity of ${moved.map((b) => b.name).join(", ")}: ${number(low, 3)} to ${number(high, 3)} ${m.speeds}`);
     svg.previousSibling.append(top, bottom);
     make("line", { x1: 0, x2: W, y1: up(0), y2: up(0), class: "faint" }, svg);
     for (const [i, b] of m.bodies.entries()) {
@@ -141,7 +141,7 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
       cursors.push(make("line", { y1: 0, y2: 20, class: "cursor" }, bars));
     }
     const scale = el("div", "row ticks"), ticks = el("div");
-    ticks.append(...[0, 0.25, 0.5, 0.75, 1].map((s) => el("small", "", told(s * m.t[n - 1], 3) + (s === 1 ? ` ${m.unit}` : ""))));
+    ticks.append(...[0, 0.25, 0.5, 0.75, 1].map((s) => el("small", "", number(s * m.t[n - 1], 3) + (s === 1 ? ` ${m.unit}` : ""))));
     scale.append(el("span"), ticks);
     lines.append(scale);
     const key = el("ul", "names key"), seen = new Set(m.rows.flatMap((r) => r.stretches.map((s) => s[2])));
@@ -177,8 +177,8 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
     for (const s of shapes) for (const node of s.nodes) node.setAttribute("transform", s.move(k));
     shapes.springs.forEach(spring);
     for (const c of cursors) for (const end of ["x1", "x2"]) c.setAttribute(end, across(m.t[k]));
-    const angles = m.turns ? ` ${m.bodies.map((b) => `${b.name} ${told(b.x[k])}`).join(", ")} ${m.lengths};` : "";
-    out.textContent = `t = ${told(m.t[k])} ${m.unit};${angles} v = ${m.bodies.filter((b) => b.v).map((b) => told(zeroed(b.v[k], Math.max(...b.v.map(Math.abs))))).join(", ")} ${m.speeds}`;
+    const angles = m.turns ? ` ${m.bodies.map((b) => `${b.name} ${number(b.x[k])}`).join(", ")} ${m.lengths};` : "";
+    out.textContent = `t = ${number(m.t[k])} ${m.unit};${angles} v = ${m.bodies.filter((b) => b.v).map((b) => number(zeroed(b.v[k], Math.max(...b.v.map(Math.abs))))).join(", ")} ${m.speeds}`;
     when.setAttribute("aria-valuetext", out.textContent);
   }
 
