@@ -74,3 +74,19 @@ def test_what_is_no_bag_in_sqlite_is_said_and_topics_of_unknown_types_are_named(
         file.commit()
     with pytest.raises(ss.InputError, match="is no bag of ROS 2"):
         ss.read(tmp_path / "other.db")
+
+
+def test_another_episode_of_a_table_is_read_by_its_number(tmp_path):
+    pytest.importorskip("pyarrow", reason="the extra [robot] is not installed")
+    robot_files.WRITERS["episodes.parquet"](tmp_path / "a.parquet")
+    first, second = ss.read(tmp_path / "a.parquet"), ss.read(tmp_path / "a.parquet", episode=1)
+    assert second["observation.state.0"].values[0] == pytest.approx(first["observation.state.0"].values[-1] + 0.1)
+    assert "of 2 episodes the first is read" in " ".join(first.notes) and not any("episodes" in note for note in second.notes)
+    with pytest.raises(ss.InputError, match="episode = 2; allowed are those of the table, 0 to 1"):
+        ss.read(tmp_path / "a.parquet", episode=2)
+
+
+def test_an_episode_of_a_file_that_has_none_is_refused(tmp_path):
+    (tmp_path / "a.csv").write_text("t [s],v [m/s]\n0,1\n1,2\n2,3\n")
+    with pytest.raises(ss.InputError, match="allowed is the number of an episode"):
+        ss.read(tmp_path / "a.csv", episode=1)

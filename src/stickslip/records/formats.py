@@ -27,7 +27,7 @@ class Format:
         Module and function of `stickslip.records` that makes a `Raw` of the bytes, imported when a file of the format is read.
     takes : tuple of str
         What that function takes after the bytes: ``allowance`` (how much may be unpacked of a file from anywhere), or what the user
-        says: ``byte_order``, ``separator``, ``decimal``.
+        says: ``byte_order``, ``separator``, ``decimal``, ``episode``.
     apart : bool
         Whether it is read in a process of its own, since its library may crash on a damaged file or go on for ever (`records.apart`).
     library : str
@@ -81,7 +81,7 @@ FORMATS = [
     Format(("MCAP",), lambda data: data[:8] == b"\x89MCAP0\r\n", "robot_logs.parse_mcap"),
     Format(("ROS bag",), lambda data: data[:9] == b"#ROSBAG V", "robot_logs.parse_bag"),
     Format(("ROS 2 bag",), lambda data: data[:16] == b"SQLite format 3\0", "ros2_bags.parse", apart=True),
-    Format(("Parquet",), lambda data: data[:4] == b"PAR1", "robot_logs.parse_parquet"),
+    Format(("Parquet",), lambda data: data[:4] == b"PAR1", "robot_logs.parse_parquet", ("allowance", "episode")),
     Format(("UFF58",), _is_uff, "uff.parse", ("byte_order",)),
     Format(("BAM's JSON",), is_log, "bam_logs.parse"),
     Format(("CSV", "TSV", "TXT", "JSON"), lambda data: True, "text.parse", ("separator", "decimal")),

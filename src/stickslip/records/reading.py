@@ -13,7 +13,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from stickslip.basics.arguments import Recorded, explains_arguments
-from stickslip.basics.errors import InputError, Problems, as_path, did_you_mean
+from stickslip.basics.errors import InputError, Problems, as_path, did_you_mean, is_whole
 from stickslip.basics.units import quantity_of, unit_named, unit_of_heading
 from stickslip.basics.unpacking import Allowance
 from stickslip.records.apart import read_apart
@@ -40,6 +40,7 @@ def read(
     separator: str | None = None,
     decimal: str | None = None,
     byte_order: str | None = None,
+    episode: int | None = None,
 ) -> Record:
     r"""Read a measured record: CSV, TSV, TXT, JSON, UFF58, MATLAB (v4 to v7.3), TDMS, netCDF, HDF5 or XLSX; or a data frame.
 
@@ -70,6 +71,8 @@ def read(
         For a text file in which they are not recognised correctly.
     byte_order : {"little", "big"}, optional
         For a binary UFF58 file that specifies the wrong one.
+    episode : int, optional
+        Of a LeRobot table of several, by its number there; by default the first.
 
     Returns
     -------
@@ -93,15 +96,16 @@ def read(
     if is_frame(path):
         return _record("", b"", raw_of_frame(path), **options)
     path = as_path(path, "read", "run.csv")
-    return read_bytes(_bytes(path), str(path), separator, decimal, byte_order, **options)
+    return read_bytes(_bytes(path), str(path), separator, decimal, byte_order, episode, **options)
 
 
 def read_bytes(
-    data: bytes, name: str, separator: str | None = None, decimal: str | None = None, byte_order: str | None = None, **options: Any
-) -> Record:
+    data: bytes, name: str, separator: str | None = None, decimal: str | None = None, byte_order: str | None = None,
+    episode: int | None = None, **options: Any,
+) -> Record:  # fmt: skip
     """The record in the bytes of a file; `name` is where it says that it comes from."""
     with np.errstate(all="ignore"):  # a damaged file holds any number
-        raw = _parsed(data, separator, decimal, byte_order)
+        raw = _parsed(data, {"separator": separator, "decimal": decimal, "byte_order": byte_order, "episode": episode})
         return _record(name, data, raw, **({"units": {}, "columns": None, "roles": {}, "rate": None, "scale": {}} | options))
 
 
@@ -158,12 +162,13 @@ def _piped(file: BinaryIO) -> bytes:
     return bytes(data)
 
 
-def _parsed(data: bytes, separator: str | None, decimal: str | None, byte_order: str | None) -> Raw:
-    """The output of the format's reader."""
+def _parsed(data: bytes, typed: dict[str, Any]) -> Raw:
+    """The output of the format's reader, with what was typed for some of the formats."""
     if not data.strip():
         raise InputError("read", ["the file is empty"])
-    given = {"allowance": Allowance("read", len(data)), "separator": separator, "decimal": decimal, "byte_order": byte_order}
-    known = format_of(data)
+    given, known, episode = {"allowance": Allowance("read", len(data))} | typed, format_of(data), typed["episode"]
+    if episode is not None and ("episode" not in known.takes or not is_whole(episode)):
+        raise InputError("read", [f"episode = {episode!r}; allowed is the number of an episode in a LeRobot table (Parquet); leave it out"])
     return read_apart(known, data) if known.apart else known.reader()(data, *(given[name] for name in known.takes))
 
 

@@ -151,7 +151,7 @@ def parse_bag(data: bytes, allowance: Allowance) -> Raw:
 
 
 # ---- Parquet ----
-def parse_parquet(data: bytes, allowance: Allowance) -> Raw:
+def parse_parquet(data: bytes, allowance: Allowance, number: int | None = None) -> Raw:
     """The columns of a table in Parquet; lists of numbers, as LeRobot has states and actions, become columns of their own."""
     parquet = robot_library("pyarrow.parquet", "Parquet")
     with damage_reported("Parquet"):
@@ -163,7 +163,7 @@ def parse_parquet(data: bytes, allowance: Allowance) -> Raw:
             _add(raw, name, table.column(name))
     if not raw.columns:
         raise InputError("read", ["the Parquet file holds no column of numbers"])
-    return _one_episode(raw)
+    return _one_episode(raw, number)
 
 
 def _add(raw: Raw, name: str, column: Any) -> None:
@@ -183,17 +183,24 @@ def _add(raw: Raw, name: str, column: Any) -> None:
         raw.notes.append(f"{name} left out: values of {kind} are not numbers")
 
 
-def _one_episode(raw: Raw) -> Raw:
-    """The first episode of a table of several: each counts its times anew."""
+def _one_episode(raw: Raw, number: int | None) -> Raw:
+    """An episode of a table of several, by default the first: each counts its times anew."""
     episode = next((c.values for c in raw.columns if c.name == "episode_index"), None)
     if episode is None:
+        if number is not None:
+            raise InputError("read", [f"episode = {number!r}; the table has no episodes; leave it out"])
         return raw
     counts = ("frame_index", "episode_index", "index", "task_index")
-    first, numbers = episode == episode[0], len(np.unique(episode))
+    there = np.unique(episode)
+    if number is not None and number not in there:
+        raise InputError("read", [f"episode = {number!r}; allowed are those of the table, {there[0]:.0f} to {there[-1]:.0f}"])
+    own = episode == (episode[0] if number is None else number)
     raw.columns = [
-        RawColumn(c.name, c.unit, c.values[first], role="" if c.name.startswith("action") else c.role)
+        RawColumn(c.name, c.unit, c.values[own], role="" if c.name.startswith("action") else c.role)
         for c in raw.columns
         if c.name not in counts
     ]
-    raw.notes += [f"of {numbers} episodes the first is read, {int(first.sum())} of {len(first)} rows"] if numbers > 1 else []
+    if len(there) > 1 and number is None:
+        others = f"the others are episode={there[1]:.0f} to {there[-1]:.0f}"
+        raw.notes.append(f"of {len(there)} episodes the first is read, {int(own.sum())} of {len(own)} rows; {others}")
     return raw
