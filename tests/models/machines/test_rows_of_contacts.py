@@ -155,6 +155,8 @@ def test_a_law_with_inner_states_rubs_on_rows_too():
         ({"a": 0.5}, {}, "type load=1.0"),
         ({"a": 0.5}, {"load": 1.0, "on": "b"}, "{..., 'b': -1.0}"),
         ({"a": 0.5}, {"load": 1.0, "restitution": 0.3}, "type restitution=None"),
+        ("a", {"hold": "both"}, "it is for machines that say where bodies are"),
+        ("a", {"load": 1.0, "at": (0.1, 0.0)}, "it is for machines that say where bodies are"),
     ],
 )  # fmt: skip
 def test_what_is_wrong_with_a_row_is_said_with_what_to_type(row, options, words):

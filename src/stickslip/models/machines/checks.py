@@ -109,6 +109,10 @@ def _check_contact(name: Any, contact: Any, bodies: dict[str, Any], problems: Pr
     if not isinstance(contact, Contact):
         problems.add(f'{where} = {contact!r}; allowed is a Contact; type {name!r}: ss.Contact("head", friction)')
         return
+    for what in ("hold", "at"):
+        if getattr(contact, what) is not None:
+            example = 'coordinates = ("x", "angle") and def places(self, t, q)'
+            problems.add(f"{where}.{what} = {getattr(contact, what)!r}; it is for machines that say where bodies are; type {example}")
     if isinstance(contact.body, Mapping):
         _check_coefficients(where, contact, bodies, problems)
     elif contact.body not in bodies:
