@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.arguments import Maker, explains_arguments
-from stickslip.basics.contracts import Array, Model
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems, SolveError
 from stickslip.basics.interruption import Ending, interruptible, look, partial_result
 from stickslip.dynamics.atlas.atlas_result import Atlas, without_twins
@@ -123,33 +123,41 @@ def atlas(
     >>> [border.kind for border in atlas.borders], atlas.at(amplitude=3.7e-4, mu0=0.18), atlas.at(amplitude=3.71e-4, mu0=0.18)
     (['type-border'], ('II',), ('I',))
     """
-    plane, look = _planned(
-        "atlas", make, over, starts, settle, limit, rtol, branches, refine, workers, resume, out, fixed, (section, turns)
-    )
+    asked = _Asked(settle, limit, rtol, branches, refine, workers, resume, out)
+    plane = plane_over("atlas", make, over, starts, fixed, asked.check, (section, turns))
+    look = asked.look
     return _Making(plane, look, AtlasStudy(out, plane, look, bool(resume)), workers, progress).made(branches, refine)
 
 
-def _planned(
-    what: str, make: Model | Callable[..., Any], over: Any, starts: Any, settle: Any, limit: Any, rtol: Any, branches: Any,
-    refine: Any, workers: Any, resume: Any, out: Any, fixed: dict[str, Any], asked: tuple[Any, int],
-) -> tuple[Plane, Look]:  # fmt: skip
-    """The plane and how it is looked at, all arguments checked."""
-    most = 0
+@dataclass(frozen=True)
+class _Asked:
+    """How a plane is looked at, as it was asked for."""
 
-    def check(problems: Problems) -> None:
-        nonlocal most
-        problems.whole("settle", settle, 1, example=200)
-        most = checked_limit(problems, settle, limit)
-        problems.whole("branches", branches, 0, example=40)
-        problems.whole("refine", refine, 0, example=1)
-        problems.whole("workers", workers, 1, example=2)
-        if isinstance(rtol, bool) or not isinstance(rtol, (int, float, np.number)) or not 0 < rtol < 1:
-            problems.add(f"rtol = {rtol!r}; allowed is a number between 0 and 1; type rtol=1e-7")
-        if resume and out is None:
+    settle: Any
+    limit: Any
+    rtol: Any
+    branches: Any
+    refine: Any
+    workers: Any
+    resume: Any = False
+    out: Any = None
+
+    def check(self, problems: Problems) -> None:
+        """Note everything that is wrong."""
+        problems.whole("settle", self.settle, 1, example=200)
+        checked_limit(problems, self.settle, self.limit)
+        problems.whole("branches", self.branches, 0, example=40)
+        problems.whole("refine", self.refine, 0, example=1)
+        problems.whole("workers", self.workers, 1, example=2)
+        if isinstance(self.rtol, bool) or not isinstance(self.rtol, (int, float, np.number)) or not 0 < self.rtol < 1:
+            problems.add(f"rtol = {self.rtol!r}; allowed is a number between 0 and 1; type rtol=1e-7")
+        if self.resume and self.out is None:
             problems.add("resume is for a folder; give one with out=, such as out='atlas'")
 
-    plane = plane_over(what, make, over, starts, fixed, check, asked)
-    return plane, Look(int(settle), most, float(rtol))
+    @property
+    def look(self) -> Look:
+        """What was checked, as numbers."""
+        return Look(int(self.settle), checked_limit(Problems("atlas"), self.settle, self.limit), float(self.rtol))
 
 
 @dataclass
@@ -403,9 +411,9 @@ def atlas_time(
     >>> 0 < time.grid < 60
     True
     """
-    plane, look = _planned(
-        "atlas_time", make, over, starts, settle, limit, rtol, branches, refine, workers, False, None, fixed, (section, turns)
-    )
+    asked = _Asked(settle, limit, rtol, branches, refine, workers)
+    plane = plane_over("atlas_time", make, over, starts, fixed, asked.check, (section, turns))
+    look = asked.look
     probed = [plane.cell(int(k)) for k in np.unique(np.linspace(0, plane.cells - 1, min(_PROBED, plane.cells)).round())]
     probes = motions_at(plane, probed[:1], look)  # compiles
     began = time.perf_counter()
