@@ -26,6 +26,11 @@ JOINT = ss.Joint(
     inertia=0.01, friction=ss.Coulomb(0.02, 0.02), gravity_torque=0.05,
     control=ss.machines.PID(kp=2.0, ki=4.0, kd=0.1, target=ss.Harmonic(amplitude=0.3, frequency=0.5), sample=0.05),
 )  # fmt: skip
+SERVO = ss.Joint(
+    inertia=0.02, friction=ss.Coulomb(1.0, 1.0), gravity_torque=0.5, delay=0.1, motor=ss.machines.Motor(1.5, resistance=5.0, supply=12.0),
+    load=ss.machines.ServoLoad(base=0.05, viscous=0.02, motor=0.1, external=0.1),
+    control=ss.machines.PID(kp=12.0, ki=8.0, kd=0.0, target=ss.Harmonic(amplitude=0.3, frequency=0.5), sample=0.05),
+)  # fmt: skip
 DRY, STICTION = ss.Coulomb(mu_plus=0.2, mu_minus=0.3), ss.Coulomb(mu_plus=0.2, mu_minus=0.2, f_plus=0.3, f_minus=0.3)
 
 
@@ -247,6 +252,7 @@ every_machine: dict[str, tuple[Any, str, tuple[float, float]]] = {
     "Chain, LuGre": (_chain(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4)), "link.stiffness", (500.0, 1200.0)),
     "capsule with an elastic stop": (Capsule(300.0, DRY), "stiffness", (280.0, 300.0)),
     "Joint": (JOINT, "control.kp", (1.5, 2.0)),
+    "Joint, motor and friction of its torque": (SERVO, "motor.k_t", (1.4, 1.5)),
     "MovingTrack": (ss.presets.conveyor(throw_index=2.5), "along.amplitude", (4e-4, 4.3e-4)),
     "a machine of your own": (Tow(0.07, 0.03, 0.3, 205.0, 300.0, 0.1, DRY), "stiffness", (250.0, 300.0)),
     "a machine without contacts": (Hammer(5.0), "stiffness", (4.9, 5.0)),

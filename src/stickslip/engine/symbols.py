@@ -321,6 +321,8 @@ class Graph:
             while n:
                 result, square, n = (result * square if n & 1 else result), (square * square if n > 1 else square), n >> 1
             return result
+        if is_zero(a):
+            return self.select(self.constant(power) if not isinstance(power, Sym) else power, a, self.constant(1.0))
         if a.op == "multiply" and a.args[0] is a.args[1]:
             return self.power(abs(a.args[0]), 2.0 * power)
         side = self._side(a)

@@ -89,6 +89,12 @@ class InstantForces(Mapping[Any, Any]):
     def __init__(self, mechanics: Any, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any], z: Sequence[Any]):
         self._mechanics, self._t, self._x, self._v, self._z = mechanics, t, x, v, z
 
+    def with_more(self, body: str, name: str, force: Any) -> InstantForces:
+        """With one more force on a body, which counts to those of its name."""
+        more = InstantForces(self._mechanics, self._t, self._x, self._v, self._z)
+        more._further = [*self._further, (body, name, force, None)]
+        return more
+
     def seen(self, mechanics: Any, x: Mapping[str, Any], v: Mapping[str, Any]) -> InstantForces:
         """Those of another machine, at other positions and velocities, in which controllers hold the same."""
         return InstantForces(mechanics, self._t, x, v, self._z)

@@ -260,6 +260,12 @@ class SeveralBodies(Mechanics):
         """Normal force on one contact [N]."""
         return self._pressed((i,), t, q, u, z)[0]
 
+    def load_under(self, i: int, t: Numeric, q: Numbers, u: Numbers, body: str, applied: Any) -> Any:
+        """Normal force on one contact under one more force of a motor on a body, such as a recorded one [N]."""
+        press, x, v = self.presses[i], *self._named(t, q, u)
+        forces = InstantForces(self, t, x, v, self.controllers.start(t, x, v)).with_more(body, "motor", applied)
+        return self.load(i, t, q, u) if press is None else press(t, x, v, forces)
+
     def _pressed(self, which: Iterable[int], t: Numeric, q: Numbers, u: Numbers | None, z: Numbers | None) -> tuple[Any, ...]:
         """Normal forces on some contacts [N]."""
         x, v = dict(zip(self.bodies, self.positions(t, q), strict=True)), dict[str, Any]()

@@ -146,7 +146,7 @@ class MachineLog(Compared):
         if not m.contacts:
             return inertial / factor
         push = side * np.sign(factor) * _PUSH * (np.max(abs(self.y)) * abs(factor) + np.max(abs(inertial)))
-        return (inertial + self._friction(m, np.broadcast_to(push, inertial.shape), cases, reading.get("start"))) / factor
+        return (inertial + self._friction(m, factor, np.broadcast_to(push, inertial.shape), cases, reading.get("start"))) / factor
 
     @property
     def _inside(self) -> Any:
@@ -158,21 +158,27 @@ class MachineLog(Compared):
         whole = np.broadcast_to(values, (*self._inside.shape, cases))
         return np.einsum("mwc,w->mc", whole, _triangle(self.half))
 
-    def _friction(self, m: Any, borne: Any, cases: int, start: Any) -> Any:
+    def _load(self, m: Any, factor: Any, t: Any, x: Any, v: Any) -> Any:
+        """The load of the contact; one that follows from forces takes what was recorded for the motor's, `factor` for each unit of it."""
+        if not any(m.of_motion):
+            return m.loads(t, (x,))[0]
+        return m.load_under(0, t, (x,), (v,), m.bodies[0], factor * np.interp(t, self.t[self.at], self.y))
+
+    def _friction(self, m: Any, factor: Any, borne: Any, cases: int, start: Any) -> Any:
         """Friction forces over the windows where the contact bears so much at rest: array (m, cases)."""
         law: LawAdapter = m.laws[0]
         if law.dynamic:
-            return self._remembered(m, law, borne, cases, start)
+            return self._remembered(m, law, factor, borne, cases, start)
         t, x, v = (values[self._inside][..., None] for values in (self.t, self.x, self.v))
-        load, slip = m.loads(t, (x,))[0], m.slips(t, (v,))[0]
+        load, slip = self._load(m, factor, t, x, v), m.slips(t, (v,))[0]
         backward, forward = (self._mean(limit, cases) for limit in law.breakaway(load))
         sliding = self._mean(law.sliding(np.where(slip != 0, slip, 1.0), load), cases)
         return np.where(self.still[:, None], np.clip(borne, backward, forward), sliding)
 
-    def _remembered(self, m: Any, law: LawAdapter, borne: Any, cases: int, start: Any) -> Any:
+    def _remembered(self, m: Any, law: LawAdapter, factor: Any, borne: Any, cases: int, start: Any) -> Any:
         """The same of a law with inner states, which follow all samples."""
         t, x, v = (values[:, None] for values in (self.t, self.x, self.v))
-        load = m.loads(t, (x,))[0] + np.zeros((len(self.t), 1))
+        load = self._load(m, factor, t, x, v) + np.zeros((len(self.t), 1))
         every = np.stack([np.interp(self.t, self.t[self.at], column) for column in borne.T], axis=1)
         slip = (m.slips(t, (v,))[0] + np.zeros((len(self.t), 1)))[:, 0]
         mean = np.concatenate([slip[:1], 0.5 * (slip[1:] + slip[:-1])])

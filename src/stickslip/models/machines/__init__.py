@@ -16,14 +16,16 @@ from stickslip.models.machines.forced import Forced
 from stickslip.models.machines.forced_oscillator import ForcedOscillator
 from stickslip.models.machines.joint import Joint
 from stickslip.models.machines.machine import Machine
+from stickslip.models.machines.motors import Motor
 from stickslip.models.machines.moving_track import MovingTrack
 from stickslip.models.machines.parts import Body, Contact, Gait, Link, Rigid, Spring, Stop
 from stickslip.models.machines.pid import PID
 from stickslip.models.machines.pulled_mass import PulledMass
+from stickslip.models.machines.servo_load import ServoLoad
 
 __all__ = [
     "MECHANISMS", "PID", "BlockOnBelt", "Bodies", "Body", "Chain", "Contact", "FlowContact", "ForceRig", "Forced", "ForcedOscillator",
-    "Gait", "Joint", "Link", "Machine", "MovingTrack", "PulledMass", "Rigid", "Spring", "Stop",
+    "Gait", "Joint", "Link", "Machine", "Motor", "MovingTrack", "PulledMass", "Rigid", "ServoLoad", "Spring", "Stop",
 ]  # fmt: skip
 __dir__ = listing(__all__)
 

@@ -2,26 +2,31 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
-from stickslip.basics.fields import everywhere, is_record
-from stickslip.basics.maths import maximum, pi, sin, sqrt, where
+from stickslip.basics.fields import describe, everywhere, is_record
+from stickslip.basics.maths import maximum, pi, sin, sqrt, where, wrapped
 from stickslip.basics.quantities import at_least, holding, positive, quantity
 from stickslip.models.drives import FORCES
 from stickslip.models.forces import check_law
 from stickslip.models.friction.law_adapter import adapted
 from stickslip.models.machines.machine import Machine
+from stickslip.models.machines.motors import Motor, limited
 from stickslip.models.machines.parts import Body, Contact, Stop
 from stickslip.models.machines.periodic_inputs import TakesInput, breaks_of, common_count, in_period, most_times
 from stickslip.models.machines.periodic_record import PeriodicRecord
 from stickslip.models.machines.pid import PID, Loop
+from stickslip.models.machines.servo_load import LoadFunction, ServoLoad
 
 STIFFNESS = 1e4  # of a gear that does not say its own: a small strain-wave gear [N m/rad]
 _APPLIED = holding({"force on the inner mass": "torque", "the force": "the torque"}, {"N": "N m"})
+_VOLTAGE = holding({"force on the inner mass": "voltage", "the force": "the voltage"}, {"N": "V"})
+_CURRENT = holding({"force on the inner mass": "current", "the force": "the current"}, {"N": "A"})
 _TORQUE = "a torque [N m], a force function of time with at(t) and period, or a record (times, torques) of one period"
 
 
@@ -57,8 +62,10 @@ class Joint(TakesInput, Machine):
         Play b of the gear from end to end, at the joint [rad].
     control : PID, optional
         The controller.
-    load : float, optional
-        N_0, the factor of the friction coefficients.
+    load : float or callable, optional
+        N_0, the factor of the friction coefficients; or a function of time, angle, velocity and forces, ``lambda t, x, v, forces:
+        0.02 + 0.1 * abs(forces["motor"])``, where ``forces["motor"]`` is the motor's torque and ``forces["gravity"]`` that of gravity, both
+        at the joint [N m] (`stickslip.Contact`), such as a `stickslip.machines.ServoLoad`.
     load_gain : float, optional
         How much the load grows with the torque of gravity, lambda [1/(N m)].
     motor_inertia : float, optional
@@ -68,6 +75,17 @@ class Joint(TakesInput, Machine):
         has.
     gear_damping : float, optional
         [N m s/rad].
+    motor : Motor, optional
+        The motor, which makes a torque of a voltage or a current (`stickslip.machines.Motor`). A controller's gains are then those of the
+        voltage [V] or the current [A].
+    voltage, current : float, force or record, optional
+        In place of a torque the command of a motor with or without a resistance [V], [A], in the forms of `torque`; it adds to that of the
+        controller. By default zero: the terminals of a motor with a resistance are joined, and it brakes.
+    delay : float, optional
+        Time from a command to what it does [s]; by default none. With a controller, which then has a `sample` time, a whole number of
+        those.
+    limit : float, optional
+        The largest command, either way: of torque and controller together [N m], or in the motor's unit [V], [A].
     motor_constant : float, optional
         K, torque of the motor for each ampere [N m/A]: the factor of a record of its current.
     angle : float, optional
@@ -107,7 +125,7 @@ class Joint(TakesInput, Machine):
     )
     backlash: float = field(default=0.0, metadata=quantity("backlash", "rad", "b", example=0.01, rule=at_least(0.0)))
     control: Any = None
-    load: float = field(
+    load: float | Any = field(
         default=1.0, metadata=quantity("load of the joint", "1", "N", example=1.0, rule=positive, allowed="a positive load")
     )
     load_gain: float | None = field(
@@ -123,14 +141,23 @@ class Joint(TakesInput, Machine):
     motor_constant: float | None = field(
         default=None, metadata=quantity("motor constant", "N m/A", "K", example=0.05, rule=positive, allowed="a positive torque per ampere")
     )
+    motor: Any = None
+    voltage: float | Any | None = field(default=None, metadata=quantity("voltage", "V", "U", example=6.0) | _VOLTAGE)
+    current: float | Any | None = field(default=None, metadata=quantity("current", "A", "i", example=0.5) | _CURRENT)
+    delay: float | None = field(default=None, metadata=quantity("delay of the command", "s", r"\tau_{d}", example=5e-3, rule=at_least(0.0)))
+    limit: float | None = field(default=None, metadata=quantity("largest command", "N m", r"u_{\mathrm{max}}", example=0.3, rule=positive))
     angle: float = field(default=0.0, metadata=quantity("angle at the start", "rad", r"\varphi_{0}", example=0.0))
     cycles: tuple[int, ...] | None = field(default=None, repr=False, metadata={"found": True})
+    queued: Any = field(default=0, repr=False, metadata={"found": True})  # samples in the delay of a controller
 
     kind: ClassVar[str] = "joint"
     principal: ClassVar[str | None] = "joint"
     _input: ClassVar[tuple[str, tuple[str, ...], str]] = ("torque", ("at",), _TORQUE)
+    _more_inputs: ClassVar[tuple[tuple[str, tuple[str, ...], str], ...]] = (
+        ("voltage", ("at",), _TORQUE.replace("torque", "voltage")), ("current", ("at",), _TORQUE.replace("torque", "current")),
+    )  # fmt: skip
     rotary: ClassVar[bool] = True  # angles and torques, not ways and forces
-    holds: ClassVar[dict[str, Any]] = {"pid": PID, "record": PeriodicRecord, **FORCES}
+    holds: ClassVar[dict[str, Any]] = {"pid": PID, "record": PeriodicRecord, "motor": Motor, "servo_load": ServoLoad, **FORCES}
 
     def _complete(self) -> None:
         """Fill in what follows from the rest: the gear of a joint with backlash, and the common period."""
@@ -138,7 +165,12 @@ class Joint(TakesInput, Machine):
             object.__setattr__(self, "gear_stiffness", STIFFNESS)
         if self.gear_stiffness is not None and self.motor_inertia is None:
             object.__setattr__(self, "motor_inertia", self.inertia / self.gear_ratio**2)
+        if self.delay is not None and everywhere(self.delay == 0.0):
+            object.__setattr__(self, "delay", None)
         object.__setattr__(self, "cycles", self._common())
+        object.__setattr__(self, "queued", 0)
+        if self.delay is not None and self.control is not None:
+            object.__setattr__(self, "queued", most_times(self.delay, self.control.sample))
 
     def _check(self, problems: Problems) -> None:
         check_law(self.friction, problems)
@@ -146,15 +178,54 @@ class Joint(TakesInput, Machine):
             problems.add(f"control = {self.control!r}; allowed is a PID; type control=ss.machines.PID(kp=2.0, ki=1.0, kd=0.1, target=0.5)")
         if self.gear_stiffness is None and not everywhere(self.gear_damping == 0.0) and everywhere(self.backlash == 0.0):
             problems.add("gear_damping is that of an elastic gear; type gear_stiffness=1e4 [N m/rad] too, or leave it out")
+        self._check_command(problems)
         if not problems.mistakes:
             self._complete()
             super()._check(problems)
+
+    def __post_init__(self) -> None:
+        if callable(self.load) and not is_record(self.load):
+            object.__setattr__(self, "load", LoadFunction(self.load))
+        super().__post_init__()
+
+    def _take(self, field: dataclasses.Field[Any], problems: Problems) -> None:
+        """The load may be a function."""
+        if field.name != "load" or not callable(self.load):
+            super()._take(field, problems)
+
+    def _check_command(self, problems: Problems) -> None:
+        """Note a motor that is none, commands that contradict it or one another, and a delay that is not known."""
+        if callable(self.load) and self.load_gain is not None:
+            problems.add(f"load_gain = {self.load_gain!r} and load is a function; allowed is one of the two; leave load_gain out")
+        if self.motor is not None and not isinstance(self.motor, Motor):
+            problems.add(f"motor = {self.motor!r}; allowed is a Motor; type motor=ss.machines.Motor(k_t=1.5, resistance=5.0, supply=12.0)")
+            return
+        own = None if self.motor is None else {"V": "voltage", "A": "current"}[self.motor.unit]
+        for name in [name for name in ("torque", "voltage", "current") if getattr(self, name) is not None]:
+            if name == "torque" and own is not None:
+                problems.add(f"torque is given, and a motor that is commanded by a {own}; type {own}=..., or leave the motor out")
+            elif name not in ("torque", own):
+                which = "a motor" if own is None else "a motor with a resistance" if name == "voltage" else "a motor without a resistance"
+                typed = "k_t=1.5, resistance=5.0" if name == "voltage" else "k_t=1.5"
+                problems.add(f"{name} is the command of {which}; type motor=ss.machines.Motor({typed})")
+        if isinstance(self.control, PID) and self.delay is not None and not everywhere(self.delay == 0.0):
+            sample = self.control.sample
+            if sample is None:
+                problems.add(
+                    f"delay = {describe(self.delay)} s of a controller that acts continuously; allowed is one that samples; "
+                    "type sample=1e-3 [s] in its ss.machines.PID, of which the delay is a whole number"
+                )
+            elif not everywhere(abs(self.delay / sample - most_times(self.delay, sample)) <= 1e-9):
+                problems.add(
+                    f"delay = {describe(self.delay)} s is not a whole number of samples of {describe(sample)} s, one for all cases; "
+                    f"type delay={describe(most_times(self.delay, sample) * sample)}, or another sample="
+                )
 
     # ---- time ----
     @property
     def _inputs(self) -> list[Any]:
         """Torque and target, where they are functions of time with a period."""
-        inputs = [self.torque, self.control.target if self.control is not None else None]
+        inputs = [self._command, self.control.target if self.control is not None else None]
         return [each for each in inputs if is_record(each) and getattr(each, "period", None) is not None]
 
     def _common(self) -> tuple[int, ...]:
@@ -176,13 +247,20 @@ class Joint(TakesInput, Machine):
         if self.period is not None:
             return self.period
         gain = 0.0 if self.control is None else self.gear_ratio * self.control.kp
+        gain = gain if self.motor is None else gain * self.motor.gain
         held = maximum(gain + abs(self.gravity_torque), 1e-6 * self.inertia)
         return 2 * pi * sqrt(self.whole_inertia / held)
 
     @property
     def breaks(self) -> tuple[Any, ...]:
         """Instants in (0, period) at which torque or target are not smooth [s]."""
-        return tuple(s for each, count in zip(self._inputs, self.cycles or (), strict=True) for s in breaks_of(each, count))
+        own = [(each, breaks_of(each, count)) for each, count in zip(self._inputs, self.cycles or (), strict=True)]
+        late = self._command if self.delay is not None else None
+        return tuple(s for each, breaks in own for s in (self._later(breaks, self.delay) if each is late else breaks))
+
+    def _later(self, breaks: Any, delay: Any) -> tuple[Any, ...]:
+        """Instants of the command, and the beginning of its period, by the delay later [s]."""
+        return tuple(wrapped(s + delay, self.period) for s in (0.0, *breaks)) if self.period is not None else ()
 
     def _count(self, value: Numeric) -> int:
         """Periods of an input in one of the joint."""
@@ -208,6 +286,31 @@ class Joint(TakesInput, Machine):
     def _driven(self) -> str:
         return "motor" if self.is_elastic else "joint"
 
+    @property
+    def _command(self) -> Any:
+        """What commands the motor beside a controller: a torque, a voltage or a current; None if nothing does."""
+        return next((each for each in (self.torque, self.voltage, self.current) if each is not None), None)
+
+    def _commanded(self, t: Numeric) -> Any:
+        """The command at an instant [N m], [V] or [A]."""
+        command: Any = self._command
+        if not is_record(command):
+            return 0.0 if command is None else command
+        if self.delay is not None:
+            t = t - self.delay if self.period is None else wrapped(t - self.delay, self.period)
+        return command.at(in_period(t, command, self._count(command)))
+
+    def _motor_torque(self, t: Numeric, v: Numeric, command: Any) -> Any:
+        """Torque of the motor at the body that it drives [N m], under a controller's command beside the other one."""
+        whole = command if self._command is None else self._commanded(t) + command
+        whole = limited(whole, self.limit)
+        return self.gear_ratio * (whole if self.motor is None else self.motor.torque(whole, self.gear_ratio * v))
+
+    @property
+    def _is_direct(self) -> bool:
+        """Whether the motor's torque is the sum of the commands."""
+        return self.motor is None and self.limit is None
+
     def bodies(self) -> Mapping[str, Any]:
         """The joint, and the motor where the gear is elastic; its angle is that over the gear ratio."""
 
@@ -223,7 +326,7 @@ class Joint(TakesInput, Machine):
     def contacts(self) -> Mapping[str, Any]:
         """The bearing."""
         gain: Any = self.load_gain
-        load = self.load if gain is None else lambda t, x: self.load + gain * abs(self.gravity_torque * sin(x))
+        load: Any = self.load if gain is None else lambda t, x: self.load + gain * abs(self.gravity_torque * sin(x))
         return {"joint": Contact("joint", self.friction, load=load)}
 
     def stops(self) -> Mapping[tuple[str, str | None], Any]:
@@ -235,28 +338,35 @@ class Joint(TakesInput, Machine):
 
     def forces(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any]) -> Mapping[str, Any]:
         """The applied torque, referred to the joint [N m]."""
-        if self.torque is None:
-            return {}
-        torque: Any = self.torque
-        applied = torque.at(in_period(t, torque, self._count(torque))) if is_record(torque) else torque
-        return {self._driven: {"motor": self.gear_ratio * applied}}
+        if not self._is_direct:  # a controller makes it of both commands
+            return {} if self.control is not None else {self._driven: {"motor": self._motor_torque(t, v[self._driven], 0.0)}}
+        return {} if self._command is None else {self._driven: {"motor": self.gear_ratio * self._commanded(t)}}
 
     @property
     def input(self) -> tuple[Any, dict[str, Any]]:
         """The joint under no torque, and the torque at the joint for each unit of a record: of the motor's torque, and of its current."""
         per = {} if self.motor_constant is None else {"current": self.gear_ratio * self.motor_constant}
-        return self.replace(torque=0.0, control=None), {**per, "torque": self.gear_ratio}
+        none = {"torque": None, "voltage": None, "current": None, "control": None, "limit": None, "delay": None}
+        if self.motor is not None and self.motor.unit == "V":  # a measured torque has the back-EMF in it
+            return self.replace(none | {"motor": None, "torque": 0.0}), {"torque": self.gear_ratio}
+        if self.motor is not None:
+            per = {"current": self.gear_ratio * self.motor.k_t}
+            return self.replace(none | {"motor": None, "torque": 0.0}), {**per, "torque": self.gear_ratio}
+        return self.replace(none | {"torque": 0.0}), {**per, "torque": self.gear_ratio}
 
     def controllers(self) -> Mapping[str, Any]:
         """The PID controller."""
         if self.control is None:
             return {}
-        low, high = adapted(self.friction).limits(self.load) or (-self.load, self.load)
+        load: Any = 1.0 if callable(self.load) else self.load
+        low, high = adapted(self.friction).limits(load) or (-load, load)
         torque, small = maximum(high, -low) / self.gear_ratio, 1e-3 * (self.control.kp + self.control.ki + self.control.kd)
         torque = where(torque > 0.0, torque, maximum(small, 1e-12))  # friction that vanishes at rest says nothing of its size
+        torque = torque if self.motor is None else torque / self.motor.gain
         gain = maximum(self.control.kp, 1e-6 * torque)
         measured = self.control.feedback if self.is_elastic else "joint"
-        loop = Loop(self.control, measured, self._driven, self.gear_ratio, self._count(self.control.target), torque, torque / gain)
+        count, motor = self._count(self.control.target), None if self._is_direct else self._motor_torque
+        loop = Loop(self.control, measured, self._driven, self.gear_ratio, count, torque, torque / gain, self.queued, motor)
         return {"control": loop}
 
     @property

@@ -18,18 +18,21 @@ _SAME = 1e-12  # of a period: how exactly a time must divide it
 
 
 class TakesInput(Frozen):
-    """Base of the records one of whose fields is a number or a periodic function of time; (times, values) become a sum of harmonics."""
+    """Base of the records some of whose fields are a number or a periodic function of time; (times, values) become a sum of harmonics."""
 
     _input: ClassVar[tuple[str, tuple[str, ...], str]]  # its name, what a function of time has to say, and what is allowed
+    _more_inputs: ClassVar[tuple[tuple[str, tuple[str, ...], str], ...]] = ()
 
     def __post_init__(self) -> None:
-        value = getattr(self, self._input[0])
-        is_pair = isinstance(value, (tuple, list)) and len(value) == 2 and all(hasattr(each, "__len__") for each in value)
-        object.__setattr__(self, self._input[0], PeriodicRecord.from_samples(*value) if is_pair else value)
+        for name, _, _ in (self._input, *self._more_inputs):
+            value = getattr(self, name)
+            is_pair = isinstance(value, (tuple, list)) and len(value) == 2 and all(hasattr(each, "__len__") for each in value)
+            object.__setattr__(self, name, PeriodicRecord.from_samples(*value) if is_pair else value)
         super().__post_init__()
 
     def _take(self, field: dataclasses.Field[Any], problems: Problems) -> None:
-        name, needs, allowed = self._input
+        own = next((each for each in (self._input, *self._more_inputs) if each[0] == field.name), self._input)
+        name, needs, allowed = own
         value = getattr(self, name)
         if field.name != name or not (is_record(value) or hasattr(value, needs[0])):
             super()._take(field, problems)

@@ -116,6 +116,10 @@ class Loop:
         Periods of the target in one of the machine.
     torque, angle : number
         Typical sizes of what it holds [N m], [rad].
+    queued : int
+        Samples after which a torque acts.
+    motor : callable, optional
+        Torque on the driven body of a motor, by time, its velocity and the controller's command, where that is not the command itself.
     """
 
     pid: PID
@@ -125,18 +129,20 @@ class Loop:
     count: int
     torque: Any
     angle: Any
+    queued: int = 0
+    motor: Any = None
 
     sample = property(attrgetter("pid.sample"), doc="Time between samples [s]; None where it acts continuously.")
 
     @property
     def states(self) -> tuple[str, ...]:
         """The part of the integral in the torque; with samples the torque that is held, and the last error."""
-        return ("integral",) if self.sample is None else ("torque", "integral", "error")
+        return ("integral",) if self.sample is None else ("torque", "integral", "error", *(f"queued {k + 1}" for k in range(self.queued)))
 
     @property
     def scales(self) -> tuple[Any, ...]:
         """Their typical sizes."""
-        return (self.torque,) if self.sample is None else (self.torque, self.torque, self.angle)
+        return (self.torque,) if self.sample is None else (self.torque, self.torque, self.angle, *(self.torque,) * self.queued)
 
     def target_at(self, t: Numeric) -> Mapping[str, Any]:
         """The wanted angle of the body that it sees [rad]."""
@@ -148,19 +154,25 @@ class Loop:
         if self.sample is None:
             return (0.0 * x[self.measured],)
         error = self._error(t, x)
-        return self._sampled(t, error, 0.0, error)
+        return self._delayed(self._sampled(t, error, 0.0, error), (0.0 * error,) * self.queued)
 
     def rates(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any], z: Numeric | tuple[Numeric, ...]) -> tuple[Any, ...]:
         """Rate of the integral; what is held has none."""
-        return (self.pid.ki * self._error(t, x),) if self.sample is None else (0.0, 0.0, 0.0)
+        return (self.pid.ki * self._error(t, x),) if self.sample is None else (0.0,) * (3 + self.queued)
 
     def sampled(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any], z: Sequence[Numeric]) -> tuple[Any, ...]:
         """The states after a sample."""
-        return self._sampled(t, self._error(t, x), z[1], z[2])
+        return self._delayed(self._sampled(t, self._error(t, x), z[1], z[2]), z[3:])
+
+    def _delayed(self, new: tuple[Any, Any, Any], queued: Sequence[Any]) -> tuple[Any, ...]:
+        """What a sample makes of torque, integral and error, and of the torques that wait, the next one first."""
+        torque, *rest = (*queued, new[0])
+        return (torque, *new[1:], *rest)
 
     def forces(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any], z: Sequence[Numeric]) -> Mapping[str, Any]:
         """Its torque [N m], on the side of the joint."""
-        return {self.driven: {"motor": self.gear * (z[0] if self.sample is not None else self._torque(t, x, v, z[0]))}}
+        command = z[0] if self.sample is not None else self._torque(t, x, v, z[0])
+        return {self.driven: {"motor": self.gear * command if self.motor is None else self.motor(t, v[self.driven], command)}}
 
     def _torque(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any], integral: Any) -> Any:
         rate = self._rate(t) - v[self.measured]
