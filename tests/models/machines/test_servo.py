@@ -155,7 +155,7 @@ def test_the_published_friction_models_of_a_servo(model):
     joint = ss.Joint(inertia=inertia, friction=ONE, load=load, motor=motor, voltage=sine, gravity_torque=G, angle=0.3)
     run = ss.solve(joint, duration=4.0)
     q, v = pendulum(p, inertia, G, lambda t, v: p["kt"] / p["R"] * (8.0 * np.sin(w * t) - p["kt"] * v), 4.0)
-    assert len(run.events) >= 3 and (run.x[-1], run.v[-1]) == (pytest.approx(q, abs=1e-6), pytest.approx(v, abs=1e-6))
+    assert len(run.events) >= 3 and (run.x[-1], run.v[-1]) == (pytest.approx(q, abs=1e-10), pytest.approx(v, abs=1e-10))
 
 
 @pytest.mark.skipif(not DATA.is_dir(), reason="STICKSLIP_DATA has no folder bam")
