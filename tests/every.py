@@ -745,7 +745,6 @@ def door_of(door, case):
 
 #: Results that have no `plot()`, and why.
 without_picture = {
-    "FlowCheck": "digits of the states at the end: ss.plot.states(run) draws the run",
     "Certificate": "a proof about one motion: its periodic orbit draws itself",
     "Hops": "four numbers of a run: ss.plot.contacts draws the run",
     "Passage": "the two ends of a stretch: the run of the flow draws itself",

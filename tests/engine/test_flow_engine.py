@@ -366,7 +366,11 @@ def test_branches_of_a_flow_are_drawn_over_its_diagram():
     diagram = ss.bifurcation(impacts(), parameter="omega", values=values, settle=400, points=8, start=near, follow=False)
     doubled = branch.doubled(stop=2.48)
     ax = ss.plot.continuation([branch, doubled], diagram=diagram)
-    (cloud,) = [line for line in ax.lines if line.get_marker() == "o" and len(line.get_xdata())]
+    (cloud,) = [
+        line
+        for line in ax.lines
+        if line.get_marker() == "o" and line.get_linestyle() == "None" and line.get_zorder() < 4 and len(line.get_xdata())
+    ]
     assert ax.get_ylabel().startswith("position on the strobe $x$") and "brute force" in ax.get_legend_handles_labels()[1]
     np.testing.assert_allclose(np.sort(cloud.get_xdata()), np.repeat(values, 8), rtol=1e-14)
     np.testing.assert_allclose(np.sort(cloud.get_ydata()), np.sort(diagram.x.values.ravel()), rtol=1e-14)

@@ -441,13 +441,13 @@ def test_a_gait_whose_distances_do_not_close_is_said():
     ("part", "said"),
     [
         (
-            {"load": lambda t: 1.0},
-            r"load = .*: too many positional arguments; allowed is a positive force \[N\], or a function of time and",
+            {"load": lambda t, x, v, forces, more: 1.0},
+            r"load = .*: allowed is a function of t, of t and x, .*or of t, x, v and forces; type load=lambda t, x, v, forces: 1.0",
         ),
         ({"load": "heavy"}, r"load: 'heavy' is not a number; allowed is a positive force \[N\]"),
     ],
 )
-def test_a_load_that_is_neither_number_nor_function_of_time_and_place_is_said(part, said):
+def test_a_load_that_is_neither_number_nor_function_of_the_state_and_forces_is_refused(part, said):
     with pytest.raises(ss.InputError, match=said):
         Pair(**part)
 

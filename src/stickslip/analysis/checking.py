@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from stickslip.analysis.energy import energy
 from stickslip.analysis.flow_check import check_flow_run
@@ -109,6 +109,12 @@ class Check(Drawn):
     transient: str = ""
 
     _drawn_by, _inches = "check", (4.4, 2.6)
+    compared: ClassVar[str] = "mean velocity (m/s)"
+
+    @property
+    def size(self) -> float:
+        """That of what is compared [m/s]."""
+        return abs(self.mean_velocity) or 1.0
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain numbers and text."""

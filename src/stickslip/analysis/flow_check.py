@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -54,6 +54,8 @@ class FlowJudge:
     seconds: float
     remark: str = ""
 
+    counts: ClassVar[bool] = True  # each of them limits the number of certain digits
+
 
 @described_as("what ss.check returns of a flow; type ss.check(flow, duration=10.0)")
 @sealed
@@ -82,6 +84,10 @@ class FlowCheck(Drawn):
     digits: int
     judges: tuple[FlowJudge, ...]
     verdict: str
+
+    _drawn_by, _inches = "check", (4.4, 2.6)
+    size: ClassVar[float] = 1.0  # of what is compared
+    compared: ClassVar[str] = "the states at the end (of their largest size)"
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain numbers and text."""

@@ -67,7 +67,9 @@ class _State:
         return self._given("load", [touching(self._parts, i, self._load(i)) for i in range(len(self._m.loads))])
 
     def _load(self, i: int) -> Any:
-        """The load of a contact, of one that slides that of its side."""
+        """The load of a contact, of one under a law that rests exactly that of the side to which it slides."""
+        if self._m.laws[i].dynamic:
+            return self._m.loads[i]
         forwards, backwards = self._m.load(i, 1.0), self._m.load(i, -1.0)
         return self._m.graph.by_side(self._parts.modes[i], forwards, backwards, forwards)
 

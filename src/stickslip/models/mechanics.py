@@ -84,7 +84,7 @@ class Mechanics(Protocol):
     @property
     def start(self) -> tuple[Any, ...]:
         """Default initial coordinates of a run [m]."""
-        return (0.0,) * len(self.masses)
+        return (0.0,) * self.coordinates
 
     @property
     def period(self) -> Any:

@@ -618,7 +618,7 @@ def test_what_the_maker_misses_is_said_in_its_own_words(capsys, tmp_path):
     rec = ss.Record.of(t, {"x [m]": np.sin(t), "force [N]": np.cos(t), "load [N]": np.ones(200)})
     with pytest.raises(ss.InputError, match="sigma0 is missing; type its value, sigma0="):
         ss.identify(rec, ss.Dahl, free={"mu_plus": (0.1, 1.0), "mu_minus": (0.1, 1.0)})
-    with pytest.raises(ss.InputError, match=r"none of 65 places .*: law: sigma0 = 2 is not stiff"):
+    with pytest.raises(ss.InputError, match=r"none of 65 points .*: law: sigma0 = 2 is not stiff"):
         ss.identify(rec, _refusing, free={"sigma0": (1.0, 3.0)})
     with pytest.raises(ss.InputError, match="amplitude is missing") as caught:
         ss.identify([0.001, 0.002], ss.presets.piezo_rig, free={"amplitude[0]": (1e-4, 1e-3), "mu0": (0.1, 1.0)}, oops=1)

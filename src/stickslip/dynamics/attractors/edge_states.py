@@ -53,7 +53,7 @@ class EdgeState(Drawn):
     kind : str
         "saddle": a periodic orbit with one unstable multiplier; "repeller": the same where it is the only one; "not periodic": an edge
         track without a period up to 32; "jump": the strobe map jumps at the border, so that no motion stays on it.
-    state : array (coordinates,)
+    state : array (coordinate,)
         The strobe state, in the order of `names`.
     accuracy : float
         By how much it may be wrong, in the scales of its coordinates: of a periodic orbit from the residual of Newton's method and what the
@@ -64,9 +64,9 @@ class EdgeState(Drawn):
         How far from the orbit the edge track still was, in scales, which Newton's method did not see; NaN without an orbit.
     sides : tuple of str
         The motions to which starts on its two sides lead.
-    attractors : array (2, coordinates)
+    attractors : array (2, coordinate)
         A strobe state on each of the two motions to which the starts that were given lead.
-    track : array (n, coordinates)
+    track : array (n, coordinate)
         The strobe states of the edge track, from the first bisection on.
     notes : tuple of str
         What limits the result.
@@ -108,7 +108,7 @@ class EdgeState(Drawn):
 
     @cached_property
     def strobe_points(self) -> Array:
-        """The strobe points of the motion: array (n, coordinates); those of the edge track where it has no period, one of a jump."""
+        """The strobe points of the motion: array (n, coordinate); those of the edge track where it has no period, one of a jump."""
         if self.kind == "not periodic":
             return self.track
         return np.vstack([self.state[None, :], strobe_orbit(self.model, self.state, max(self.period, 1), 1e-12, self.at)[0][:-1, 0]])

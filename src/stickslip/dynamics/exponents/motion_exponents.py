@@ -187,7 +187,7 @@ def _of_flow(flow: Any, periods: int, settle: int, start: Any) -> Lyapunov:
 
 
 def state_after(model: Model, start: Any, settle: int, rtol: float, at: Coordinates | None = None) -> Array:
-    """The strobe state, or that on a section, after some periods: array (1, coordinates)."""
+    """The strobe state, or that on a section, after some periods: array (1, coordinate)."""
     state = states_of(start, model)
     return strobe_map(model, state, settle, rtol, at).state if settle else state
 
@@ -298,7 +298,7 @@ def largest_exponents(
         One robot or a batch.
     periods, settle : int
         Drive periods to average over, and to discard before.
-    start : array (cases, coordinates), optional
+    start : array (cases, coordinate), optional
         Initial strobe states; rest if not given.
     rtol : float
         Tolerance; well below `apart`.

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.analysis.checking import Check
+from stickslip.analysis.checking import Check, Judge
+from stickslip.analysis.flow_check import FlowCheck, FlowJudge
 from stickslip.basics.arguments import Ax
 from stickslip.basics.errors import InputError
 from stickslip.inverse.identification.designing import Design
@@ -24,12 +25,14 @@ _LEAST, _MOST = 1e-3, 1e3  # per cent: errors are clipped to this range
 
 
 @drawing
-def check(check: Check, ax: Ax = None) -> Any:
-    """Distance of each method's mean velocity from the reference, on a logarithmic axis; skipped methods are left out.
+def check(check: Check | FlowCheck, ax: Ax = None) -> Any:
+    """Distance of each method's mean velocity, of a flow of its states at the end, from the reference, on a logarithmic axis.
+
+    Methods that were skipped or failed are left out.
 
     Parameters
     ----------
-    check : Check
+    check : Check or FlowCheck
         From `stickslip.check`.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
@@ -46,10 +49,11 @@ def check(check: Check, ax: Ax = None) -> Any:
     >>> ax.get_xlabel()
     'difference in mean velocity (m/s)'
     """
-    judges = [judge for judge in reversed(check.judges) if math.isfinite(judge.difference)]
+    every: tuple[Judge | FlowJudge, ...] = check.judges
+    judges = [judge for judge in reversed(every) if math.isfinite(judge.difference)]
     if not judges:
         raise InputError("plot", ["no method could be compared with another; print(check) says why"])
-    floor = _SAME * (abs(check.mean_velocity) or 1.0)
+    floor = _SAME * check.size
     ax = axes(ax, 0.9 + 0.3 * len(judges))
     if check.uncertainty > 0:
         ax.axvspan(floor / 3, check.uncertainty, color=SHADE, linewidth=0, zorder=0, label="uncertainty")
@@ -64,7 +68,7 @@ def check(check: Check, ax: Ax = None) -> Any:
     ax.set_xscale("log")
     ax.set_xlim(left=floor / 3)
     name_rows(ax, [f"{judge.name}\n{judge.setting}" for judge in judges], 0.6)
-    ax.set_xlabel("difference in mean velocity (m/s)")
+    ax.set_xlabel(f"difference in {check.compared}")
     legend_above(ax, ncols=3, columnspacing=1.2)
     return ax
 

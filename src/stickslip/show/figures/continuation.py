@@ -178,8 +178,8 @@ def _runs_of(keep: Array) -> list[slice]:
 
 
 def _curve(x: Array, y: Array) -> tuple[Array, Array]:
-    """A dense curve through some points of a branch, in their order; a jump to NaN is left as it is."""
-    if len(x) < 3 or not np.isfinite(x).all() or not np.isfinite(y).all():
+    """A dense curve through some points of a branch, in their order; jumps to NaN and whole numbers, as of a memory, stay as they are."""
+    if len(x) < 3 or not np.isfinite(x).all() or not np.isfinite(y).all() or np.array_equal(y, np.round(y)):
         return x, y
     from scipy.interpolate import PchipInterpolator
 

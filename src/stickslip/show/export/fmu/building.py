@@ -12,6 +12,7 @@ import zipfile
 from pathlib import Path
 
 from stickslip.basics.errors import InputError
+from stickslip.basics.whole_files import unwritable, write_whole
 
 #: Exact steps need products and sums as they stand: nothing is contracted or reordered.
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden", "-shared")
@@ -43,7 +44,7 @@ def library(files: dict[str, str], own: str, who: str) -> bytes:
     """The compiled library of some sources."""
     with tempfile.TemporaryDirectory() as folder:
         for name, text in files.items():
-            (Path(folder) / name).write_text(text, "utf-8")
+            write_whole(Path(folder) / name, text, unwritable("export_fmu"))
         made = Path(folder) / "library"
         done = subprocess.run([own, *FLAGS, "fmu.c", "-o", str(made), "-lm"], cwd=folder, capture_output=True, text=True, check=False)
         if done.returncode:
