@@ -73,7 +73,8 @@ def test_a_check_of_a_flow_counts_the_digits_on_which_scipy_agrees():
     sure = ss.check(BELT, duration=8.0)
     by_scipy = sure.judges[-1].end
     assert sure.digits >= 10 and all(abs(by_scipy[name] - sure.end[name]) < 1e-10 for name in ("x", "v"))
-    assert "digits of the states after 8" in str(sure)
+    assert "digits of the states after 8" in str(sure) and [judge.counts for judge in sure.judges] == [True, False, True]
+    assert sure.plot().get_xlabel() == "difference in the states, as a part of their size"
 
 
 @each_row(

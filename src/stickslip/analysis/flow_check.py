@@ -44,6 +44,8 @@ class FlowJudge:
         Computing time on this machine.
     remark : str
         Why it failed.
+    counts : bool
+        Whether it limits the number of certain digits, as the one with the smallest tolerance does.
     """
 
     name: str
@@ -53,8 +55,7 @@ class FlowJudge:
     switches: int
     seconds: float
     remark: str = ""
-
-    counts: ClassVar[bool] = True  # each of them limits the number of certain digits
+    counts: bool = True
 
 
 @described_as("what ss.check returns of a flow; type ss.check(flow, duration=10.0)")
@@ -87,7 +88,7 @@ class FlowCheck(Drawn):
 
     _drawn_by, _inches = "check", (4.4, 2.6)
     size: ClassVar[float] = 1.0  # of what is compared
-    compared: ClassVar[str] = "the states at the end (of their largest size)"
+    compared: ClassVar[str] = "the states, as a part of their size"
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain numbers and text."""
@@ -133,7 +134,8 @@ def check_flow_run(flow: SwitchingFlow, periods: int, duration: float | None, st
         except SolveError as error:
             there, events, difference, why = np.full(len(y), np.nan), [], math.nan, str(error).split(";")[0]
         ends = dict(zip(names, map(float, there), strict=True))
-        judges.append(FlowJudge("scipy DOP853", f"rtol {rtol:.0e}", ends, difference, len(events), time.perf_counter() - begin, why))
+        took, counts = time.perf_counter() - begin, rtol == _TOLERANCES[-1]
+        judges.append(FlowJudge("scipy DOP853", f"rtol {rtol:.0e}", ends, difference, len(events), took, why, counts))
     last = judges[-1]
     same = last.switches == len(run.events)
     digits = certain_digits(1.0, max(last.difference, 1e-15)) if same and math.isfinite(last.difference) else 0
