@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 import stickslip as ss
+from cart_poles import CartAndBob
 from stickslip.basics.fields import leaves
 from stickslip.maths import cos, pi, sin
 from stickslip.models.machine_adapter import machine_of
@@ -142,25 +143,15 @@ class Beam(ss.Machine):
 
 
 @dataclass(frozen=True, eq=False)
-class CartPole(ss.Machine):
+class CartPole(CartAndBob):
     """A pendulum on a cart that is pushed to and fro."""
 
-    cart: float
-    bob: float
-    length: float
     friction: Any
     omega: float = 5.0
-    coordinates = ("x", "angle")
 
     @property
     def period(self):
         return 2 * pi / self.omega
-
-    def bodies(self):
-        return {"cart": ss.Body(self.cart), "bob": ss.Body(self.bob)}
-
-    def places(self, t, q):
-        return {"cart": (q["x"], 0.0), "bob": (q["x"] + self.length * sin(q["angle"]), -self.length * cos(q["angle"]))}
 
     def forces(self, t, q, u):
         return {"x": 4.0 * sin(self.omega * t) - 3.0 * q["x"], "angle": -0.01 * u["angle"]}

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import ast
 import re
-from collections import Counter
 from dataclasses import dataclass
 from functools import reduce
 from typing import Any, Protocol
 
 from stickslip.engine.c_expressions import REAL, SMALL, TRUTH, WHOLE, CExpressions, Value, View, bare, c_name, constant, without_unread
-from stickslip.engine.expressions import all_statements, names_given
+from stickslip.engine.expressions import settled_names
 
 _TYPES = {"int64": WHOLE, "float64": REAL, "boolean": TRUTH}
 _ARRAYS = {"f": REAL, "i": WHOLE, "b": SMALL}
@@ -83,7 +82,7 @@ class _Body(CExpressions):
         self.names: dict[str, Any] = {
             arg.arg: program.known.get(arg.arg, value) for arg, value in zip(self.text.args.args, self.arguments, strict=True)
         }
-        self.settled = _settled(self.text)
+        self.settled = settled_names(self.text)
         self.lines, self.declared, self.arrays = list[str](), dict[str, str](), dict[str, str]()
         self.indent, self.ended, self.count = "    ", False, 0
         for arg in self.text.args.args:
@@ -402,12 +401,3 @@ class _Body(CExpressions):
 
 def _uses(text: str, name: str) -> bool:
     return re.search(rf"(?<![\w.>]){re.escape(name)}(?!\w)", text) is not None
-
-
-def _settled(text: ast.FunctionDef) -> set[str]:
-    """The names that a function gives a value once, for all that follows: in no branch, in no loop."""
-    whole = [arg.arg for arg in text.args.args]
-    given = Counter(whole)
-    given.update(name for each in all_statements(text.body) for name in names_given(each))
-    whole += [name for each in text.body if isinstance(each, ast.Assign) for name in names_given(each)]
-    return {name for name in whole if given[name] == 1}

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ast
 import math
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Iterator
 from typing import Any, NoReturn
 
@@ -42,6 +42,15 @@ def names_given(statement: ast.stmt) -> list[str]:
     targets = statement.targets if isinstance(statement, ast.Assign) else [getattr(statement, "target", None)]
     each = [part for target in targets for part in (target.elts if isinstance(target, ast.Tuple) else [target])]
     return [part.id for part in each if isinstance(part, ast.Name)]
+
+
+def settled_names(text: ast.FunctionDef) -> set[str]:
+    """The names that a function gives a value once, for all that follows: in no branch, in no loop."""
+    whole = [arg.arg for arg in text.args.args]
+    given = Counter(whole)
+    given.update(name for each in all_statements(text.body) for name in names_given(each))
+    whole += [name for each in text.body if isinstance(each, ast.Assign) for name in names_given(each)]
+    return {name for name in whole if given[name] == 1}
 
 
 class Expressions(ast.NodeVisitor):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-from collections import Counter
 from dataclasses import dataclass
 from functools import reduce
 from typing import Any, Protocol
@@ -11,7 +10,7 @@ from typing import Any, Protocol
 from llvmlite import ir
 from numba.core import types as kinds
 
-from stickslip.engine.expressions import BOOL, FLOAT64, INT8, INT64, INTRINSICS, Expressions, all_statements, names_given
+from stickslip.engine.expressions import BOOL, FLOAT64, INT8, INT64, INTRINSICS, Expressions, settled_names
 
 #: Of floats, beside `INTRINSICS`.
 OF_FLOATS = {"math.floor": "llvm.floor.f64", "math.log2": "llvm.log2.f64", "math.copysign": "llvm.copysign.f64", "math.expm1": "expm1"}
@@ -56,7 +55,7 @@ class _Body(Expressions):
         super().__init__(ir.IRBuilder(start), lanes=1)
         # of each name its value, or the slots where it stands: one of a number, of an array one more for each length
         self.names, self.loops = dict[str, Any](), list[tuple[Any, Any]]()
-        self.settled = _settled(text)
+        self.settled = settled_names(text)
         given = iter(function.args)
         for arg, kind in zip(text.args.args, signature.args, strict=True):
             first = next(given)
@@ -394,12 +393,3 @@ class _Body(Expressions):
         if kind == INT64 and value.type == BOOL:
             return self.builder.zext(value, INT64)
         raise TypeError(f"a number of type {value.type} is given to a name, an element or an argument of type {kind}")
-
-
-def _settled(text: ast.FunctionDef) -> set[str]:
-    """The names that a function gives a value once, for all that follows: in no branch, in no loop."""
-    whole = [arg.arg for arg in text.args.args]
-    given = Counter(whole)
-    given.update(name for each in all_statements(text.body) for name in names_given(each))
-    whole += [name for each in text.body if isinstance(each, ast.Assign) for name in names_given(each)]
-    return {name for name in whole if given[name] == 1}

@@ -82,13 +82,6 @@ class PlacedContact:
             return 0.0, 1.0
         return product(-1.0, z) / length, (0.0 if is_nothing(x) else x / length)
 
-    def tangent_at(self, q: Any) -> Pair:
-        """The direction in which it slips."""
-        if self.contact.hold != "both":
-            return 1.0, 0.0
-        normal = self.normal_at(q)
-        return normal[1], product(-1.0, normal[0])
-
     def offset(self, t: Numeric) -> Any:
         """What the speed of a belt or a motion adds to the slip [m/s]."""
         return 0.0 - prescribed_velocity(self.contact.on, t)

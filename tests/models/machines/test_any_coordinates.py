@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from cart_poles import CartAndBob
 from rows import each_row
 from stickslip.basics.errors import InputError
 from stickslip.maths import cos, pi, sin
@@ -20,26 +21,16 @@ LUGRE = ss.friction.LuGre(0.1, 0.1, 0.1, 0.1, sigma0=1e5, sigma1=100.0, sigma2=0
 
 
 @dataclass(frozen=True, eq=False)
-class CartPole(ss.Machine):
+class CartPole(CartAndBob):
     """A pendulum on a cart that is pushed to and fro; the rail bears the weight of both."""
 
-    cart: float
-    bob: float
-    length: float
     push: float
     omega: float
     friction: Any
-    coordinates = ("x", "angle")
 
     @property
     def period(self):
         return 2 * pi / self.omega
-
-    def bodies(self):
-        return {"cart": ss.Body(self.cart), "bob": ss.Body(self.bob)}
-
-    def places(self, t, q):
-        return {"cart": (q["x"], 0.0), "bob": (q["x"] + self.length * sin(q["angle"]), -self.length * cos(q["angle"]))}
 
     def forces(self, t, q, u):
         return {"x": self.push * sin(self.omega * t)}

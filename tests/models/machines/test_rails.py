@@ -11,6 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import stickslip as ss
+from cart_poles import CartAndBob
 from rows import each_row
 from stickslip.basics.errors import InputError
 from stickslip.maths import cos, sin
@@ -20,20 +21,10 @@ START = {"x": {"angle": 1.5}, "v": {}}
 
 
 @dataclass(frozen=True, eq=False)
-class CartPole(ss.Machine):
+class CartPole(CartAndBob):
     """A pendulum on a cart on a rail."""
 
-    cart: float
-    bob: float
-    length: float
     friction: Any
-    coordinates = ("x", "angle")
-
-    def bodies(self):
-        return {"cart": ss.Body(self.cart), "bob": ss.Body(self.bob)}
-
-    def places(self, t, q):
-        return {"cart": (q["x"], 0.0), "bob": (q["x"] + self.length * sin(q["angle"]), -self.length * cos(q["angle"]))}
 
     def contacts(self):
         return {"rail": ss.Contact("cart", self.friction, hold="both")}

@@ -125,8 +125,8 @@ def atlas(
     """
     asked = _Asked(settle, limit, rtol, branches, refine, workers, resume, out)
     plane = plane_over("atlas", make, over, starts, fixed, asked.check, (section, turns))
-    look = asked.look
-    return _Making(plane, look, AtlasStudy(out, plane, look, bool(resume)), workers, progress).made(branches, refine)
+    study = AtlasStudy(out, plane, asked.look, bool(resume))
+    return _Making(plane, asked.look, study, workers, progress).made(branches, refine)
 
 
 @dataclass(frozen=True)
@@ -413,11 +413,10 @@ def atlas_time(
     """
     asked = _Asked(settle, limit, rtol, branches, refine, workers)
     plane = plane_over("atlas_time", make, over, starts, fixed, asked.check, (section, turns))
-    look = asked.look
     probed = [plane.cell(int(k)) for k in np.unique(np.linspace(0, plane.cells - 1, min(_PROBED, plane.cells)).round())]
-    probes = motions_at(plane, probed[:1], look)  # compiles
+    probes = motions_at(plane, probed[:1], asked.look)  # compiles
     began = time.perf_counter()
-    probes |= motions_at(plane, probed, look)
+    probes |= motions_at(plane, probed, asked.look)
     grid = (time.perf_counter() - began) / len(probed) * plane.cells / workers
     return AtlasTime(grid, _time_of_a_branch(plane, probes) if branches else 0.0, branches)
 

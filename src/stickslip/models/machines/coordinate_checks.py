@@ -84,11 +84,7 @@ def _check_sources(machine: Any, names: tuple[str, ...], problems: Problems) -> 
                 problems.add(f"places()[{name!r}] has {len(place)} parts; allowed is a number, (x, z) or (x, z, angle)")
     elif said == ["inertia"]:
         n, rows = len(names), given["inertia"]
-        if (
-            not isinstance(rows, (tuple, list))
-            or len(rows) != n
-            or any(not isinstance(row, (tuple, list)) or len(row) != n for row in rows)
-        ):
+        if not _is_square(rows, n):
             problems.add(f"inertia(q) gives {rows!r}; allowed is a tuple of {n} rows of {n} numbers, in the order of {', '.join(names)}")
 
 
