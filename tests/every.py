@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -332,13 +333,23 @@ class Case:
         known = dict(leaves(self.machine))
         return next({name: values} for name, values in names.items() if name in known)
 
+    @cached_property
     def run(self):
         return ss.solve(self.machine, **self.length)
+
+    @cached_property
+    def branch(self):
+        low, high = self.values
+        return ss.continuation(self.machine, parameter=self.number, start=low, stop=low + 0.05 * (high - low))
+
+    @cached_property
+    def diagram(self):
+        return ss.bifurcation(self.machine, parameter=self.number, values=list(self.values), settle=20, points=2, follow=False)
 
 
 # ---- doors: each looks at what it got, so that a silent answer of the first body is none ----
 def _solve(c):
-    run = c.run()
+    run = c.run
     assert run.status == "finished" and np.isfinite(ss.mean_velocity(run))
     assert run.x.shape == ((len(run.t), 2) if c.axes else (len(run.t),)) and len(run.bodies) == (len(c.parts.bodies) if c.several else 1)
 
@@ -383,12 +394,12 @@ def _study(c):
 
 
 def _motion(c):
-    m = ss.motion(c.run())
+    m = ss.motion(c.run)
     if is_flow(c.machine):
         assert set(m.ranges) == set(c.machine.states) and abs(sum(m.modes.values()) - 1.0) < 1e-9
         return
     if c.machine.period is None:
-        assert set(m.contacts) == set(c.run().contacts) and m.type in ("stick-slip", "slip", "steady", "not settled")
+        assert set(m.contacts) == set(c.run.contacts) and m.type in ("stick-slip", "slip", "steady", "not settled")
         return
     if c.several:
         assert set(m.contacts) == set(c.parts.contacts) and set(m.anchored) <= set(m.contacts)
@@ -403,7 +414,7 @@ def _energy(c):
 
 
 def _check(c):
-    length = {"periods": 2} if c.machine.period is not None else c.length
+    length = {"periods": 1} if c.machine.period is not None else c.length
     assert ss.check(c.machine, **length, rk4_steps=()).digits >= 2
 
 
@@ -420,21 +431,16 @@ def _lyapunov(c):
     assert ss.lyapunov(c.machine, periods=50).spectrum is not None
 
 
-def _branch(c):
-    low, high = c.values
-    return ss.continuation(c.machine, parameter=c.number, start=low, stop=low + 0.05 * (high - low))
-
-
 def _continuation(c):
-    assert len(_branch(c).orbits) > 1
+    assert len(c.branch.orbits) > 1
 
 
 def _branch_drawn(c):
     """By each coordinate of its state, by mean velocity and multiplier, and over a diagram where there is one."""
-    branch = _branch(c)
+    branch = c.branch
     known = [name for name in (*branch.orbits[0].names, "mean_velocity", "largest_multiplier") if name in branch.points]
     assert len(known) > 1 and all(ss.plot.continuation(branch, name).get_ylabel() for name in known)
-    over = None if branch.orbits[0].model.period is None else _diagram(c)
+    over = None if branch.orbits[0].model.period is None else c.diagram
     assert ss.plot.continuation(branch, diagram=over).get_xlabel()
 
 
@@ -460,16 +466,12 @@ def _edge_state(c, starts=(None, None)):
         raise AssertionError(edge)
 
 
-def _diagram(c):
-    return ss.bifurcation(c.machine, parameter=c.number, values=list(c.values), settle=20, points=2, follow=False)
-
-
 def _bifurcation(c):
-    assert _diagram(c).sizes[c.number] == 2
+    assert c.diagram.sizes[c.number] == 2
 
 
 def _diagram_drawn(c):
-    grid = _diagram(c)
+    grid = c.diagram
     first = next(iter(grid.data_vars))
     assert ss.plot.bifurcation(grid).get_ylabel() == ss.plot.bifurcation(grid, first).get_ylabel()
 
@@ -479,18 +481,18 @@ def _toml(c):
 
 
 def _save(c):
-    run = c.run()
+    run = c.run
     again = ss.load(run.save(c.folder / "run.nc"), machines=OWN)
     assert again.model == c.machine and np.array_equal(again.v, run.v) and np.array_equal(again.friction_force, run.friction_force)
 
 
 def _xarray(c):
-    data = c.run().to_xarray()
+    data = c.run.to_xarray()
     assert ("body" in data.v.dims) == c.axes and "friction_force" in data
 
 
 def _csv(c):
-    run = c.run()
+    run = c.run
     head = Path(run.save(c.folder / "run.csv")).read_text(encoding="utf-8").partition("\n")[0]
     assert head.count("v.") == (len(run.bodies) if c.axes else 0)
 
@@ -498,38 +500,38 @@ def _csv(c):
 def _report(c):
     from stickslip.show.reports import run_page
 
-    assert "<h1>It moves</h1>" in run_page(c.run(), "It moves")
+    assert "<h1>It moves</h1>" in run_page(c.run, "It moves")
 
 
 def _velocity(c):
-    lines = [line for line in ss.plot.velocity(c.run()).lines if len(line.get_xdata()) > 2]
+    lines = [line for line in ss.plot.velocity(c.run).lines if len(line.get_xdata()) > 2]
     assert len([line for line in lines if "rests" not in line.get_label()]) == (len(c.parts.bodies) if c.several else 1)
 
 
 def _forces(c):
-    run = c.run()
+    run = c.run
     labels = [line.get_label() for line in ss.plot.forces(run).lines]
     named = all(name in labels for name in run.contacts)
     assert named if c.several else any("friction force" in label for label in labels)
 
 
 def _phase(c):
-    assert ss.plot.phase(c.run()).get_ylabel().startswith("velocity")
+    assert ss.plot.phase(c.run).get_ylabel().startswith("velocity")
 
 
 def _contacts(c):
-    run = c.run()
+    run = c.run
     ax = ss.plot.contacts(run)
     assert [label.get_text() for label in ax.get_yticklabels()][: len(run.contacts)] == list(run.contacts)
     assert ax.collections if c.rubs else ax.lines
 
 
 def _strobe(c):
-    assert len(ss.dynamics.strobe(c.run()).v)
+    assert len(ss.dynamics.strobe(c.run).v)
 
 
 def _spectrum(c):
-    run = c.run() if c.machine.period is not None else ss.solve(c.machine, duration=60.0)
+    run = c.run if c.machine.period is not None else ss.solve(c.machine, duration=60.0)
     lines = ss.dynamics.spectrum(run)
     assert lines.amplitude.dims == (("body", "order") if c.axes else ("order",))
     last = ss.dynamics.spectrum(run, body=len(run.bodies) - 1 if c.axes else 0)
@@ -542,7 +544,7 @@ def _latex(c):
 
 
 def _mirrored(c):
-    run, image = c.run(), ss.solve(ss.dynamics.mirrored(c.machine), **c.length)
+    run, image = c.run, ss.solve(ss.dynamics.mirrored(c.machine), **c.length)
     end = run.pieces.t[-1]
     there = image.at(end)["v"]
     assert np.allclose(there[::-1] if isinstance(c.machine, ss.Chain) else there, -run.at(end)["v"], rtol=1e-6, atol=1e-9)
@@ -554,8 +556,8 @@ def _explorer(c):
     from stickslip.show.explorer.machines import Shown, picture
 
     found = picture(Shown(c.machine, options=c.length), True, c.machine, lambda done, whole: None)
-    assert [body["name"] for body in found["picture"]["bodies"] if body["v"]] == list(c.run().body_columns)
-    assert [row["name"] for row in found["picture"]["rows"]][: len(c.run().contacts)] == list(c.run().contacts) and found["facts"]
+    assert [body["name"] for body in found["picture"]["bodies"] if body["v"]] == list(c.run.body_columns)
+    assert [row["name"] for row in found["picture"]["rows"]][: len(c.run.contacts)] == list(c.run.contacts) and found["facts"]
 
 
 def _command(c):
@@ -595,7 +597,7 @@ every_door = {
 
 # ---- the same doors for a flow, whose runs have its own states and no bodies ----
 def _solve_flow(c):
-    run = c.run()
+    run = c.run
     assert run.status == "finished" and run.y.shape == (len(run.t), 2) and run.method == "exact"
 
 
@@ -626,11 +628,11 @@ def _attractors_of_flow(c):
 
 
 def _xarray_of_flow(c):
-    assert {*c.machine.states, "mode"} <= set(c.run().to_xarray())
+    assert {*c.machine.states, "mode"} <= set(c.run.to_xarray())
 
 
 def _csv_of_flow(c):
-    head = Path(c.run().save(c.folder / "run.csv")).read_text(encoding="utf-8").partition("\n")[0].split(",")
+    head = Path(c.run.save(c.folder / "run.csv")).read_text(encoding="utf-8").partition("\n")[0].split(",")
     assert head[: 1 + len(c.machine.states)] == ["time", *c.machine.states] and head[-1] == "mode"
 
 
@@ -639,7 +641,7 @@ def _edge_state_of_flow(c):
 
 
 def _phase_of_flow(c):
-    assert ss.plot.phase(c.run()).get_ylabel() == c.machine.states[1]
+    assert ss.plot.phase(c.run).get_ylabel() == c.machine.states[1]
 
 
 def _energy_of_flow(c):
@@ -659,29 +661,29 @@ def _check_of_flow(c):
 
 
 def _save_of_flow(c):
-    run = c.run()
+    run = c.run
     again = ss.load(run.save(c.folder / "run.nc"), machines=[c.machine.replace({c.number: c.values[1]})])
     assert again.model.numbers == c.machine.numbers and np.array_equal(again.y, run.y) and again.events == run.events
 
 
 def _contacts_of_flow(c):
-    ax = ss.plot.contacts(c.run())
+    ax = ss.plot.contacts(c.run)
     assert [label.get_text() for label in ax.get_yticklabels()] == list(c.machine.contacts) and ax.collections
 
 
 def _forces_of_flow(c):
-    assert ss.plot.forces(c.run()).get_ylabel() == "friction force $R$"
+    assert ss.plot.forces(c.run).get_ylabel() == "friction force $R$"
 
 
 def _strobe_of_flow(c):
-    run = c.run()
+    run = c.run
     points = ss.dynamics.strobe(run, settle=0)
     assert np.array_equal(points[c.machine.states[0]], run.strobe[:-1, 0])
 
 
 def _spectrum_of_flow(c):
     """The mean is that of the cycle."""
-    run = c.run() if c.machine.period is not None else ss.solve(c.machine, duration=200.0, start=START_OF.get(c.name))
+    run = c.run if c.machine.period is not None else ss.solve(c.machine, duration=200.0, start=START_OF.get(c.name))
     lines = ss.dynamics.spectrum(run)
     assert lines.amplitude.dims == ("order",) and len(lines.order) > 40 and ss.plot.spectrum(lines).get_xlabel()
 

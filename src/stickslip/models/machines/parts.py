@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from stickslip.basics.contracts import Numeric
@@ -134,7 +135,12 @@ class Contact(Frozen):
         """Normal force [N], of a load that is a number or a function of time and position."""
         if not callable(self.load):
             return self.load
-        return self.load(t) if arguments_of_load(self.load) == 1 else self.load(t, x)
+        return self.load(t) if self._load_takes == 1 else self.load(t, x)
+
+    @cached_property
+    def _load_takes(self) -> int | None:
+        """How many arguments the load takes."""
+        return arguments_of_load(self.load)
 
 
 @dataclass(frozen=True, eq=False)

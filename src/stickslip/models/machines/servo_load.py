@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from stickslip.basics.contracts import Numeric
@@ -45,7 +46,12 @@ class LoadFunction(Frozen):
 
     def __call__(self, t: Numeric, x: Numeric, v: Numeric, forces: Mapping[Any, Any]) -> Any:
         """Its value, of as many of these as it takes."""
-        return self.function(*(t, x, v, forces)[: arguments_of_load(self.function)])
+        return self.function(*(t, x, v, forces)[: self._takes])
+
+    @cached_property
+    def _takes(self) -> int | None:
+        """How many arguments the function takes."""
+        return arguments_of_load(self.function)
 
 
 def _torque(label: str, symbol: str, unit: str = "N m") -> dict[str, Any]:

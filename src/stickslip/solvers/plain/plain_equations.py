@@ -97,6 +97,8 @@ class Equations:
         self.first, self.last, self.first_loads = -math.inf, math.inf, [0.0] * len(self.laws)
         self.of_motion = any(mechanics.of_motion)
         self.forces, self.pressing = Watching(self._moved), Watching(self._pressed if self.of_motion else mechanics.loads)
+        self.last_state: tuple[Any, ...] = ()
+        self.last_loads: tuple[Floats, Floats] = ([], [])
         self.largest: tuple[dict[int, float], dict[int, float]] = ({}, {})  # difference that each condition has seen
 
     def _weigh(self, weights: list[Floats]) -> None:
@@ -215,11 +217,12 @@ class Equations:
     def _by_side(self, t: float, y: ArrayLike, kinks: Sides) -> tuple[Floats, Floats]:
         """Loads of contacts that slide forwards, or are about to, and backwards; the same twice where no load depends on the motion."""
         q, u = self.state(y)
-        if not self.of_motion:
-            loads = self.pressing(kinks, self.time(t), q)
-            return loads, loads
-        both = self.pressing(kinks, self.time(t), q, u, self.controlled(y))
-        return both[: self.k], both[self.k :]
+        of = (q, u, self.controlled(y)) if self.of_motion else (q,)
+        state = (kinks, self.time(t), *map(tuple, of))
+        if state != self.last_state:  # the guards of one instant ask several times
+            both = self.pressing(kinks, self.time(t), *of)
+            self.last_state, self.last_loads = state, (both[: self.k], both[self.k :]) if self.of_motion else (both, both)
+        return self.last_loads
 
     def _pressed(self, t: float, q: Any, u: Any, z: Any) -> list[Any]:
         """Loads of all contacts with their slips held forwards, then backwards."""
