@@ -6,6 +6,7 @@ whatever ends a call early, Ctrl-C too, leaves what was there before.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,6 +23,7 @@ ROOM, SLICE = 256, 8192
 #: What `Side.advance` returns: it has come to its goal, it is under way, it has ended before its goal.
 THERE, UNDER_WAY, ENDED = 0, 1, 2
 _ENDLESS = 1 << 62  # periods
+_JUMP = 1e-9  # of the largest state: a state that changes by more at the end of a step jumps
 _GOAL_PERIOD, _GOAL_TIME, _RENEWED, _EACH_STEP, _BEGUN_ANEW, _GOALS = range(6)  # columns of GOAL (kernels/advancing.py)
 #: What of the numbers of a case is new: how long it may run, or any.
 SPAN_ALONE, ALL = 1.0, 2.0
@@ -133,6 +135,30 @@ class Side:
         self._job[columns.WRITTEN] = 0
         return rows
 
+    def switched(self, rows: Array, sides: Array, modes: Array) -> bool:
+        """Whether these steps ended with other sides or modes than it had, or with a jump: only then has something happened."""
+        if not np.array_equal(self.sides, sides) or not np.array_equal(self.modes, modes):
+            return True
+        if not len(rows):
+            return False
+        k = self.kernel
+        end = rows[-1, 4 + k.contacts + k.modes :].reshape(k.states, k.degree + 1).sum(axis=1)
+        return bool(np.any(abs(end - self.states) > _JUMP * np.max(abs(end), initial=1e-300)))
+
+    def numbers(self) -> list[float]:
+        """All that it holds, as numbers of a file."""
+        return [float(each) for each in self.S]
+
+    def take(self, numbers: Array, row: Array) -> None:
+        """Hold what `numbers` gave."""
+        self.S[:], self.row[:] = numbers, row
+
+    def begin_from(self, way: float, states: Array, memory: Array, row: Array, t: float) -> None:
+        """Begin in these states, whose time is said by `stand`."""
+        self.count_way_from(way)
+        self.states[:], self.memory[:] = states, memory
+        self.renumber(row, ALL)
+
     def copy_from(self, other: Side | Image) -> None:
         """Hold the same as another copy."""
         lane, shared = (other.lane, other.shared) if isinstance(other, Image) else (other.S, other.shared.memory)
@@ -195,3 +221,16 @@ class HeldLane:
         draft = self.empty(side if now is None else now)  # type: ignore[arg-type]
         draft.copy_from(side)
         return draft
+
+    def ahead(self, side: Side, budget: float) -> Array | None:
+        """The first step of dense output of the motion that follows, which is not made; None if none does."""
+        draft = self.draft_of(side)
+        draft.aim(side.periods + 1, math.inf, budget, each_step=True)
+        for _ in range(ROOM):
+            code = draft.advance(1)
+            rows = draft.taken()
+            if code == ENDED:
+                break
+            if len(rows) and rows[0, 2] > rows[0, 1]:
+                return rows
+        return None

@@ -23,9 +23,12 @@ MOST_TEXTS = 24
 _HIDING = {"exp", "tanh", "bell", "sinh", "cosh"}
 _ROOM, _EVENTS = 40_000, 20_000  # pieces and events that a call may write
 _STEPS = 2_000  # steps of a call: so often is the keyboard looked at
-(MODE, AHEAD, AT_AHEAD, BACK, AT_BACK, APPLIED, AT_APPLIED, FIRST, COUNT, LEADER) = range(10)
-(T0, XS, VS, MASS, BASE, LOW, HIGH) = range(7)
-_BODY, _WHOLE, _LINK, _COUNTS = 10, 15, 5, 8
+# columns of what the kernel works on: of bodies, in whole numbers and in numbers, of the job, and of the counts (kernels/local_bodies.py)
+(MODE, AHEAD, AT_AHEAD, BACK, AT_BACK, APPLIED, AT_APPLIED, FIRST, COUNT, LEADER, MARK, WHAT) = range(12)
+(T0, XS, VS, MASS, BASE, LOW, HIGH, END, SUM, SIZE, PUSH) = range(11)
+(NOW, STOP, SPEED, CURVED, PAUSE, EACH_EVENT) = range(6)
+(STATUS, PIECES_WRITTEN, EVENTS_WRITTEN, STEPS, SWITCHED, MARKS, LEFT, REJECTED, PAUSED) = range(9)
+_BODY, _WHOLE, LINK_COLUMNS, _JOB, _COUNTS = 11, 15, 5, 6, 9
 BEGIN, ADVANCE, FINISH = range(3)  # what a call does
 _KIND = "void(int64, f2, i2, f2, i2, i1, f1, f2, f2, f2, f2, f1, f1, f1, i1, i1, f2, f2, i1)"
 
@@ -60,6 +63,11 @@ class Row:
         constants = [f"ORDER, STRIDE = {ORDER}, 1", f"BEGIN, ADVANCE, FINISH = {BEGIN}, {ADVANCE}, {FINISH}"]
         text = "\n".join([*constants, *texts, *(table.text(ORDER + 1) for table in self.tables)])
         return header("a row of many bodies") + written({"act": _KIND}, text)
+
+    @property
+    def kernel(self) -> Any:
+        """Its kernel, compiled."""
+        return cache.load(self.source, "row", "a row of many bodies")
 
     @cached_property
     def adjacency(self) -> tuple[Array, Array, Array]:
@@ -141,6 +149,61 @@ class RowOutcome:
     rejected: int
 
 
+class RowArrays:
+    """What the kernel works on: all that goes on from one step to the next, in one array of numbers and one of whole numbers, and the rest.
+
+    Parameters
+    ----------
+    row : Row
+    x, v : array (bodies,)
+        Positions [m] and velocities [m/s] at `begin`.
+    begin, end : float
+        Where it begins, and where its run ends [s].
+    speed : float
+        A typical velocity [m/s].
+
+    Attributes
+    ----------
+    values, whole : array
+        All that changes.
+    S, X, job, K, link, counts : array
+        Parts of these by name (see `kernels/local_bodies.py`).
+    """
+
+    def __init__(self, row: Row, x: Array, v: Array, begin: float, end: float, speed: float):
+        self._act = row.kernel.act
+        bodies, links, width = len(row.masses), len(row.ends), ORDER + 1
+        half = 1 << max(bodies - 1, 1).bit_length()
+        self.values, (self.S, self.X, tree, self.job) = _parts_of([(bodies, _BODY), (bodies, width + 1), (2 * half,), (_JOB,)], float)
+        self.whole, (self.K, self.link, self.counts) = _parts_of([(bodies, _WHOLE), (max(links, 1), LINK_COLUMNS), (_COUNTS,)], np.int64)
+        S, K, link = self.S, self.K, self.link
+        S[:, XS], S[:, VS], S[:, MASS], S[:, BASE], S[:, LOW], S[:, HIGH] = x, v, row.masses, row.base, *row.limits.T
+        K[:, [AHEAD, AT_AHEAD, BACK, AT_BACK]], K[:, [APPLIED, AT_APPLIED]] = row.laws, row.applied
+        adjacent, K[:, FIRST], K[:, COUNT] = row.adjacency
+        link[:links, :2], link[:links, 2:4] = row.ends, row.links
+        tree[:], self.job[:] = np.inf, [begin, end, speed, float(row.is_curved), np.inf, 0.0]
+        work = [np.zeros((max(count, 1), table.rows * width)) for count, table in zip((links, bodies, bodies), row.tables, strict=True)]
+        self._arrays = (
+            S, K, self.X, link, np.append(adjacent, 0), row.numbers.copy(), *work, np.zeros((3, width + 1)), np.zeros(width + 4),
+            tree, self.job, np.zeros(3 * bodies + 3, np.int64), np.zeros(links + 1, np.int64),
+        )  # fmt: skip
+
+    def act(self, what: int, pieces: Array, events: Array) -> None:
+        """Have the kernel do something, and write pieces and events."""
+        self._act(what, *self._arrays, pieces, events, self.counts)
+
+    def room(self) -> tuple[Array, Array]:
+        """Arrays into which pieces and events can be written."""
+        return np.empty((_ROOM + 5 * len(self.S), ORDER + 4)), np.empty((_EVENTS + 2 * len(self.S), 3))
+
+
+def _parts_of(shapes: list[tuple[int, ...]], kind: Any) -> tuple[Array, list[Array]]:
+    """One array of zeros, and parts of it in these shapes."""
+    sizes = [int(np.prod(shape)) for shape in shapes]
+    whole = np.zeros(sum(sizes), kind)
+    return whole, [part.reshape(shape) for part, shape in zip(np.split(whole, np.cumsum(sizes)[:-1]), shapes, strict=True)]
+
+
 def run(row: Row, x: Array, v: Array, end: float, speed: float, most: int, go_on: Callable[[float], bool]) -> RowOutcome:
     """Run a row from positions and velocities at t = 0 to an end.
 
@@ -151,44 +214,28 @@ def run(row: Row, x: Array, v: Array, end: float, speed: float, most: int, go_on
     go_on : callable
         Called with the time now and then; False stops the run.
     """
-    act = cache.load(row.source, "row", "a row of many bodies").act
-    bodies, links = len(row.masses), len(row.ends)
-    S, K = np.zeros((bodies, _BODY)), np.full((bodies, _WHOLE), 0, np.int64)
-    S[:, XS], S[:, VS], S[:, MASS], S[:, BASE], S[:, LOW], S[:, HIGH] = x, v, row.masses, row.base, *row.limits.T
-    K[:, [AHEAD, AT_AHEAD, BACK, AT_BACK]], K[:, [APPLIED, AT_APPLIED]] = row.laws, row.applied
-    adjacent, K[:, FIRST], K[:, COUNT] = row.adjacency
-    link = np.zeros((max(links, 1), _LINK), np.int64)
-    link[:links, :2], link[:links, 2:4] = row.ends, row.links
-    width = ORDER + 1
-    work = [np.zeros((max(count, 1), table.rows * width)) for count, table in zip((links, bodies, bodies), row.tables, strict=True)]
-    half = 1 << max(bodies - 1, 1).bit_length()
-    tree, job = np.full(2 * half, np.inf), np.array([0.0, end, speed, float(row.is_curved)])
-    numbers = np.zeros(_COUNTS, np.int64)
-    shared = (
-        S, K, np.zeros((bodies, width + 1)), link, np.append(adjacent, 0), row.numbers.copy(), *work,
-        np.zeros((3, width + 1)), np.zeros(width + 4), tree, job, np.zeros(3 * bodies + 3, np.int64), np.zeros(links + 1, np.int64),
-    )  # fmt: skip
-    room, noted = np.empty((_ROOM + 5 * bodies, width + 3)), np.empty((_EVENTS + 2 * bodies, 3))
-    act(BEGIN, *shared, room, noted, numbers)
-    first, pieces, events, kept = K[:, MODE].astype(np.int8), [], [], 0
+    arrays = RowArrays(row, x, v, 0.0, end, speed)
+    (room, noted), numbers = arrays.room(), arrays.counts
+    arrays.act(BEGIN, room, noted)
+    first, pieces, events, kept = arrays.K[:, MODE].astype(np.int8), [], [], 0
     running = True
     while running:
-        numbers[[1, 2]], numbers[6] = 0, _STEPS
-        act(ADVANCE, *shared, room, noted, numbers)
-        running = numbers[0] == 0 and go_on(float(job[0]))
-        if not running and numbers[0] == 0:
-            act(FINISH, *shared, room, noted, numbers)
-        pieces.append(room[: numbers[1]].copy())
-        events.append(noted[: numbers[2]].copy())
+        numbers[[PIECES_WRITTEN, EVENTS_WRITTEN]], numbers[LEFT] = 0, _STEPS
+        arrays.act(ADVANCE, room, noted)
+        running = numbers[STATUS] == 0 and go_on(float(arrays.job[NOW]))
+        if not running and numbers[STATUS] == 0:
+            arrays.act(FINISH, room, noted)
+        pieces.append(room[: numbers[PIECES_WRITTEN]].copy())
+        events.append(noted[: numbers[EVENTS_WRITTEN]].copy())
         kept += len(pieces[-1])
         if kept > most and running:
-            numbers[0], running = 2, False
+            numbers[STATUS], running = 2, False
     return RowOutcome(
-        int(numbers[0]),
-        float(job[0]),
+        int(numbers[STATUS]),
+        float(arrays.job[NOW]),
         first,
         pieces,
         np.concatenate(events),
-        int(numbers[3]),
-        int(numbers[7]),
+        int(numbers[STEPS]),
+        int(numbers[REJECTED]),
     )

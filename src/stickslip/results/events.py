@@ -73,10 +73,11 @@ def _events_of_one(pieces: Any, contact: int, mode: Array, impulses: Any, aloft:
         changed |= np.any(np.diff(pieces.memory[:, list(of.memory)], axis=0) != 0, axis=1)
     where = sorted({*(np.flatnonzero(changed) + 1).tolist(), *thrown})
     modes = [(i, int(mode[i - 1]), int(mode[i])) for i in where]
-    return [Event(float(pieces.t[i]), _kind(before, after, i in thrown), before, after, of.name) for i, before, after in modes]
+    return [Event(float(pieces.t[i]), kind_of(before, after, i in thrown), before, after, of.name) for i, before, after in modes]
 
 
-def _kind(before: int, after: int, thrown: bool) -> str:
+def kind_of(before: int, after: int, thrown: bool = False) -> str:
+    """What happened to a contact whose mode has changed."""
     if thrown:
         return "impulse"
     return "switch" if before == after else "stick" if after == 0 else "slip" if before == 0 else "reversal"

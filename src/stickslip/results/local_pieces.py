@@ -82,7 +82,7 @@ class LocalPieces(DensePieces):
         if not len(whole):
             return np.asarray(self.t)
         lengths = (ends - self.begins[~last])[np.isin(ends, whole)]
-        candidates, shortest = np.unique(np.concatenate([self.t, whole[whole < self.t[-1]]])), lengths.min()
+        candidates, shortest = np.unique(np.concatenate([self.t, whole[(whole > self.t[0]) & (whole < self.t[-1])]])), lengths.min()
         keep, kept = np.isin(candidates, self.t), candidates[0]
         for k, (now, following) in enumerate(zip(candidates[:-1].tolist(), candidates[1:].tolist(), strict=True)):
             keep[k] |= following - kept > shortest

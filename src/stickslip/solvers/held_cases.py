@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 
 from stickslip.basics.contracts import Array
-from stickslip.engine.held_lane import HeldLane, Side
 
 
 @dataclass(frozen=True)
@@ -60,8 +60,12 @@ class HeldCase(Protocol):
     def machine(self) -> Any:
         """What was given, with these numbers."""
 
-    def ready_for(self, numbers: Iterable[str]) -> Any:
-        """The case in which these numbers can change; what has not been compiled yet is."""
+    @property
+    def kernel_name(self) -> str:
+        """The name of its kernel's file, which has a checksum of its content."""
+
+    def ready_for(self, numbers: Mapping[str, float]) -> Any:
+        """The case in which these numbers can change to these values; what has not been compiled yet is."""
 
     def is_as(self, other: Any) -> bool:
         """Whether another case of this simulation has the same numbers."""
@@ -72,7 +76,7 @@ class HeldCase(Protocol):
     def column(self, number: str) -> int | None:
         """Where such a number stands in a row; None where it does not yet."""
 
-    def lane(self, span: float, side: Side | None = None) -> HeldLane:
+    def lane(self, span: float, side: Any = None) -> Any:
         """A lane at the start, or where another lane stands; `span` is the length of a run that has no period [s]."""
 
     def row(self, span: float) -> Array:
@@ -81,29 +85,32 @@ class HeldCase(Protocol):
     def changed(self, numbers: Mapping[str, float]) -> Any:
         """The same case with other numbers."""
 
-    def rebase(self, side: Side, before: Any, t: float) -> None:
+    def rebase(self, side: Any, before: Any, t: float) -> None:
         """Count the states from what these numbers say, which were counted from what others said before."""
 
-    def judge_anew(self, side: Side) -> None:
+    def judge_anew(self, side: Any) -> None:
         """Have the kernel decide which contacts stick, where it does not do so at every jump of an input."""
 
-    def standing(self, side: Side, t: float) -> Standing:
+    def standing(self, side: Any, t: float) -> Standing:
         """Where a lane stands."""
 
-    def state(self, side: Side, t: float) -> dict[str, Any]:
+    def state(self, side: Any, t: float) -> dict[str, Any]:
         """The same by the names of columns."""
 
-    def start(self, side: Side, t: float) -> dict[str, Any]:
+    def start(self, side: Any, t: float) -> dict[str, Any]:
         """The same as `solve` takes a start."""
 
-    def parts(self, side: Side, t: float) -> dict[str, dict[str, Any]]:
+    def parts(self, side: Any, t: float) -> dict[str, dict[str, Any]]:
         """The same by the names of the parts."""
 
     def events(self, before: Standing, rows: Array, after: Standing) -> list[Any]:
         """What happened in some steps of dense output, and at either end of them."""
 
-    def lost(self, side: Side, t: float) -> list[Any]:
+    def lost(self, side: Any, t: float) -> list[Any]:
         """What happened where a run ended because a load fell to zero."""
+
+    def whole(self, before: Standing, rows: Array, side: Any) -> Array:
+        """Some steps that are kept: with what has begun and not ended."""
 
     def run(self, rows: Array, more: dict[str, Any]) -> Any:
         """Some steps of dense output as the result that `solve` gives."""
@@ -111,7 +118,7 @@ class HeldCase(Protocol):
     def budget(self, duration: float) -> float:
         """Steps that may be taken in so much time [s]."""
 
-    def sentence(self, status: int, side: Side, t: float) -> str:
+    def sentence(self, status: int, side: Any, t: float) -> str:
         """Why a step could not be made."""
 
 
@@ -119,3 +126,8 @@ def times_of(rows: Array, period: float | None) -> Array:
     """Begin of the first step and end of each of some rows of dense output [s]."""
     T = 0.0 if period is None else period
     return np.concatenate([[rows[0, 0] * T + rows[0, 1]], rows[:, 0] * T + rows[:, 2]])
+
+
+def kernel_name(module: Any) -> str:
+    """The name of a kernel's file."""
+    return Path(str(module.__file__)).stem

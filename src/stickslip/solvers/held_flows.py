@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from stickslip.results.flow_pieces import FlowPieces, ModeChange
 from stickslip.results.flow_run import FlowRun
 from stickslip.solvers import flow_engine
 from stickslip.solvers.flow_requests import flow_request
-from stickslip.solvers.held_cases import Standing, times_of
+from stickslip.solvers.held_cases import Standing, kernel_name, times_of
 from stickslip.solvers.settings import Settings
 
 _RTOL = 1e-9  # no step of a flow depends on it
@@ -68,7 +68,12 @@ class FlowCase:
         """The flow."""
         return self.model
 
-    def ready_for(self, numbers: Iterable[str]) -> FlowCase:
+    @property
+    def kernel_name(self) -> str:
+        """The name of its kernel's file."""
+        return kernel_name(self.kernel.module)
+
+    def ready_for(self, numbers: Mapping[str, float]) -> FlowCase:
         """Itself: any of its numbers can change."""
         return self
 
@@ -140,6 +145,10 @@ class FlowCase:
     def lost(self, side: Side, t: float) -> list[Any]:
         """Nothing is pressed."""
         return []
+
+    def whole(self, before: Standing, rows: Array, side: Side) -> Array:
+        """These steps: none of them is open."""
+        return rows
 
     def run(self, rows: Array, more: dict[str, Any]) -> FlowRun:
         """Some steps as a run."""

@@ -3,41 +3,35 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from stickslip.basics.batch import labels_of
 from stickslip.basics.contracts import Array, Model
-from stickslip.basics.errors import InputError
-from stickslip.basics.fields import leaves
-from stickslip.basics.status import STATUS
 from stickslip.engine import lanes
 from stickslip.engine.held_lane import HeldLane, Side
-from stickslip.models.machine_adapter import is_machine, machine_of
-from stickslip.models.pushed import force_names, pushed
+from stickslip.models.machine_adapter import machine_of
+from stickslip.models.pushed import pushed
+from stickslip.models.state_layout import StateLayout
 from stickslip.results.dense_output import PolynomialPieces
 from stickslip.results.events import Event, aloft_of, events_of, flights_of, hits_of
 from stickslip.results.trajectory import Trajectory
-from stickslip.solvers import stopped
-from stickslip.solvers.held_cases import Standing, times_of
+from stickslip.solvers.held_bodies import FORCE, BodiesCase, forces_of
+from stickslip.solvers.held_cases import Standing, kernel_name, times_of
 from stickslip.solvers.lane_tables import CaseTable
-from stickslip.solvers.local_steps import WRITTEN_OUT
 from stickslip.solvers.methods import method_for
 from stickslip.solvers.request import request
 from stickslip.solvers.settings import Settings
 from stickslip.solvers.stepping import budget_of
 from stickslip.solvers.time_dependence import check_period
 
-_FORCE = "force "  # before the name of a force among the numbers
 _NOBODY = np.zeros(0, bool)
 _LOST = 1e-6  # of the load at the start: what is left of one where a contact is lost
 
 
-class MachineCase:
+class MachineCase(BodiesCase):
     """A machine of bodies and contacts; with a force on each body once one is given.
 
     Parameters
@@ -49,8 +43,7 @@ class MachineCase:
     """
 
     def __init__(self, machine: Model, start: Any, rtol: float, method: str):
-        check_one_machine(machine, "simulation")
-        self._forces, self.is_pushed = {name: _FORCE + number for name, number in force_names(machine).items()}, False
+        self._forces, self.is_pushed = forces_of(machine), False
         length = Settings(periods=1) if machine.period is not None else Settings(duration=1.0)
         todo = request(machine, replace(length, rtol=rtol, start=start, samples=4, method=method))
         self._todo, self._start = todo, todo.start
@@ -75,14 +68,24 @@ class MachineCase:
         self._flies = max(self.kernel.flights, default=-1) >= 0
         self.method = "exact" if tableau is None else tableau.name
 
-    def ready_for(self, numbers: Iterable[str]) -> MachineCase:
+    def ready_for(self, numbers: Mapping[str, float]) -> MachineCase:
         """The case in which these numbers can change: itself, or the machine with a force on each body, which is compiled once."""
-        if self.is_pushed or not any(name.startswith(_FORCE) for name in numbers):
+        if self.is_pushed or not any(name.startswith(FORCE) for name in numbers):
             return self
         other = self._copied(pushed(self.model))
         other.is_pushed = True
         other._compile()
         return other
+
+    @property
+    def layout(self) -> StateLayout:
+        """What its states are."""
+        return self.kernel.layout
+
+    @property
+    def kernel_name(self) -> str:
+        """The name of its kernel's file."""
+        return kernel_name(self.kernel.module)
 
     def _copied(self, model: Any) -> MachineCase:
         other = object.__new__(MachineCase)
@@ -95,33 +98,13 @@ class MachineCase:
         """The machine without the forces."""
         return self.model.machine if self.is_pushed else self.model
 
-    @cached_property
-    def names(self) -> dict[str, str]:
-        """Numbers of the machine, and forces on bodies."""
-        return {**{name: name for name, _ in leaves(self.machine)}, **self._forces}
-
-    def numbers(self) -> dict[str, float]:
-        """The inputs as they are now, but for the forces, of which zero is said."""
-        numbers = dict(leaves(self.machine))
-        return {name: float(numbers.get(number, 0.0)) for name, number in self.names.items()}
-
     def is_as(self, other: Any) -> bool:
         """Whether another case of this simulation has the same numbers and forces."""
         return bool(self.model == other.model)
 
-    def is_quick(self, number: str) -> bool:
-        """Forces may change without a look at the rest of the machine."""
-        return number.startswith(_FORCE)
-
     def column(self, number: str) -> int | None:
         """Where a force stands in a row; None before one is given."""
-        return self.kernel.names.index(number.removeprefix(_FORCE)) if self.is_pushed else None
-
-    @property
-    def unit(self) -> float | None:
-        """Its time scale [s]."""
-        scale = self._machine.time_scale
-        return None if scale is None else float(scale)
+        return self.kernel.names.index(number.removeprefix(FORCE)) if self.is_pushed else None
 
     def _of(self, span: float) -> CaseTable:
         return CaseTable(self.model, self.kernel, self._start, span, machine=self._machine)
@@ -146,7 +129,7 @@ class MachineCase:
     def changed(self, numbers: Mapping[str, float]) -> MachineCase:
         """The same case with other numbers."""
         own = "machine." if self.is_pushed else ""
-        forces = {name.removeprefix(_FORCE): value for name, value in numbers.items() if self.is_pushed and self.is_quick(name)}
+        forces = {name.removeprefix(FORCE): value for name, value in numbers.items() if self.is_pushed and self.is_quick(name)}
         changes = {own + name: value for name, value in numbers.items() if not self.is_quick(name)} | forces
         return self._copied(self.model.replace(changes)) if changes else self
 
@@ -176,57 +159,6 @@ class MachineCase:
         if table.cyclic:
             q = (side.way + float(table.carried[0]) * t) + np.concatenate([[0.0], q])
         return q, u, y[n:placed]
-
-    def state(self, side: Side, t: float) -> dict[str, Any]:
-        """t, x, v, mode and z as `Trajectory.at` has them."""
-        q, u, z = self._parts(side, t)
-        layout, mode = self.kernel.layout, side.sides.astype(np.int8)
-        if layout.single:
-            inner = None if not len(z) else _one_or_all(z.copy())
-            return {"t": t, "x": float(q[0]), "v": float(u[0]), "mode": int(mode[0]), "z": inner}
-        m = self._machine.mechanics
-        x, v = (np.array([float(each) for each in of]) for of in (m.positions(t, tuple(q)), m.velocities(t, tuple(u))))
-        states = side.states
-        held = {part.name: states[list(part.inner)] for part in layout.with_inner if len(part.inner)}
-        if layout.own:
-            own = layout.own
-            contact = layout.contacts[own["contact"]] if "contact" in own else None
-            z = None if contact is None or not contact.inner else states[list(contact.inner)]
-            first: dict[str, Any] = {"x": float(x[own["body"]]), "v": float(v[own["body"]])}
-            first["mode"] = None if contact is None else int(mode[own["contact"]])
-            return {"t": t, **first, "z": None if z is None else _one_or_all(z)}
-        return {"t": t, "x": x, "v": v, "mode": mode, "z": held or None}
-
-    def start(self, side: Side, t: float) -> dict[str, Any]:
-        """The same as `solve` takes a start."""
-        q, u, _ = self._parts(side, t)
-        layout, states = self.kernel.layout, side.states
-        inner = {part.name: states[list(part.inner)].copy() for part in layout.contacts if part.inner}
-        memory = {part.name: side.memory[list(part.memory)].copy() for part in layout.contacts if part.memory}
-        if layout.single:
-            one = {"x": float(q[0]), "v": float(u[0])}
-            return one | {name: _one_or_all(next(iter(of.values()))) for name, of in (("z", inner), ("memory", memory)) if of}
-        m = self._machine.mechanics
-        x, v = m.positions(t, tuple(q)), m.velocities(t, tuple(u))
-        parts: dict[str, Any] = {what: dict(zip(m.bodies, map(float, of), strict=True)) for what, of in (("x", x), ("v", v))}
-        control = {part.name: states[list(part.inner)].copy() for part in layout.controllers if part.inner}
-        return parts | {name: of for name, of in (("z", inner), ("control", control), ("memory", memory)) if of}
-
-    def parts(self, side: Side, t: float) -> dict[str, dict[str, Any]]:
-        """Position, velocity, mode and inner states of each body and contact by its name."""
-        q, u, _ = self._parts(side, t)
-        m, layout, states = self._machine.mechanics, self.kernel.layout, side.states
-        x, v = m.positions(t, tuple(q)), m.velocities(t, tuple(u))
-        named: dict[str, dict[str, Any]] = {}
-        for name, at, speed in zip(m.bodies, x, v, strict=True):
-            named.setdefault(name, {}).update(x=float(at), v=float(speed))
-        for contact, mode in zip(layout.contacts, side.sides, strict=True):
-            own = named.setdefault(contact.name, {})
-            own["mode"] = int(mode)
-            own |= {"z": states[list(contact.inner)].copy()} if contact.inner else {}
-        for part in layout.controllers:
-            named.setdefault(part.name, {}).update(zip(part.states, states[list(part.inner)].tolist(), strict=True))
-        return named
 
     # ---- what happened ----
     def pieces(self, rows: Array, before: Standing | None = None, after: Standing | None = None) -> PolynomialPieces:
@@ -279,6 +211,10 @@ class MachineCase:
         every = ((k * T + float(instant), jump) for k in whole for instant, jump in jumps)
         return [(t, jump) for t, jump in every if begin + slack < t <= end + slack]
 
+    def whole(self, before: Standing, rows: Array, side: Side) -> Array:
+        """These steps: none of them is open."""
+        return rows
+
     def run(self, rows: Array, more: dict[str, Any]) -> Trajectory:
         """Some steps as a trajectory."""
         periods = 1 if self.period is None else max(int(rows[-1, 0] - rows[0, 0]) + 1, 1)
@@ -288,7 +224,7 @@ class MachineCase:
         """The contacts that nothing presses any more."""
         q, u, _ = self._parts(side, t)
         m = self._machine.mechanics
-        held = [side.states[k] for part in self.kernel.layout.controllers for k in part.inner]
+        held = [side.states[k] for part in self.layout.controllers for k in part.inner]
         loads, first = m.loads(t, tuple(q), tuple(u), held), m.loads(0.0, m.start)
         sides = zip(m.contacts, loads, first, side.sides, strict=True)
         return [Event(t, "contact lost", int(mode), int(mode), name) for name, load, of, mode in sides if load <= _LOST * abs(of)]
@@ -297,29 +233,3 @@ class MachineCase:
         """As many as `solve` allows."""
         periods = 1 if self.period is None else math.ceil(duration / self.period) + 1
         return float(budget_of(self.model, periods, self._machine))
-
-    def sentence(self, status: int, side: Side, t: float) -> str:
-        """Why a step could not be made, and what to do."""
-        _, u, _ = self._parts(side, t)
-        where = stopped.location(self._machine.mechanics, t, u, None)
-        return f"{STATUS[status]} {where}. {stopped.remedy(status, self.rtol, bool(self._machine.mechanics.stops))}"
-
-
-def _one_or_all(values: Array) -> Any:
-    """A number where there is one alone."""
-    return float(values[0]) if len(values) == 1 else values
-
-
-def check_one_machine(machine: Any, who: str) -> None:
-    """`InputError` for what is not one machine, or has more contacts than a kernel is written for."""
-    if not is_machine(machine):
-        flows = " or a SwitchingFlow" if who == "simulation" else ""
-        allowed = f"allowed is a Robot, a mechanism{'' if flows else ' or'}{',' if flows else ''} a machine of several bodies{flows}"
-        raise InputError(who, [f"{machine!r} is not a machine; {allowed}; type for example ss.{who}(ss.Joint.example())"])
-    if shape := labels_of(machine).shape:
-        what = f"the {type(machine).__name__} is a batch of shape {shape}"
-        raise InputError(who, [f"{what}; allowed is one case; type ss.solve(machine) for a batch"])
-    contacts = len(machine_of(machine).mechanics.contacts)
-    if contacts > WRITTEN_OUT:
-        what = f"the {type(machine).__name__} has {contacts} contacts"
-        raise InputError(who, [f"{what}; allowed are up to {WRITTEN_OUT}; type ss.solve(machine, duration=60.0) for a longer row"])

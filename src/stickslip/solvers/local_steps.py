@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import cases_of, flat
-from stickslip.basics.contracts import Model
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, SolveError
 from stickslip.basics.interruption import is_stopped, look
 from stickslip.basics.status import Status
@@ -89,7 +89,8 @@ def _solved(todo: Request, model: Model, case: int) -> tuple[local_events.RowOut
         return not is_stopped()
 
     outcome = local_events.run(_row(model), x, v, end, float(mechanics.velocity_scale), KEPT // width, go_on)
-    pieces = _pieces(outcome, mechanics, end if outcome.status == 1 else outcome.t)
+    until = end if outcome.status == 1 else outcome.t
+    pieces = pieces_of(mechanics, outcome.first_modes, outcome.pieces, outcome.events, 0.0, until)
     if outcome.status > 1:
         check_numbers(model)
         raise SolveError(_message(todo, outcome, mechanics, pieces), outcome.status)
@@ -105,14 +106,27 @@ def _message(todo: Request, outcome: local_events.RowOutcome, mechanics: Any, pi
     return stopped.stopping_message(outcome.status, where, state, stopped.remedy(outcome.status, todo.rtol, False))
 
 
-def _pieces(outcome: local_events.RowOutcome, mechanics: Any, end: float) -> LocalPieces:
-    """The dense output."""
-    bodies, of = len(mechanics.bodies), [mechanics.bodies.index(c.body) for c in mechanics.joints.values()]
-    counts = sum((np.bincount(part[:, 0].astype(np.int64), minlength=bodies) for part in outcome.pieces), np.zeros(bodies, np.int64))
+def pieces_of(mechanics: Any, first_modes: Array, pieces: list[Array], events: Array, begin: float, end: float) -> LocalPieces:
+    """The dense output of a row between two times.
+
+    Parameters
+    ----------
+    mechanics : Mechanics
+    first_modes : array (bodies,)
+        Their modes where it begins.
+    pieces : list of array (pieces, 2 + coefficients)
+        Body, beginning, coefficients of its position; those of a body in order of time.
+    events : array (events, 3)
+        Time, body, new mode, in order of time.
+    begin, end : float
+        [s]
+    """
+    bodies, of = len(mechanics.bodies), bodies_of_contacts(mechanics)
+    counts = sum((np.bincount(part[:, 0].astype(np.int64), minlength=bodies) for part in pieces), np.zeros(bodies, np.int64))
     first = np.concatenate([[0], np.cumsum(counts)])
     begins, c = np.empty(first[-1]), np.empty((first[-1], local_events.ORDER + 2))
     place = first[:-1].copy()
-    for part in outcome.pieces:  # those of one body come in order of time
+    for part in pieces:  # those of one body come in order of time
         body = part[:, 0].astype(np.int64)
         order = np.argsort(body, kind="stable")
         own = np.bincount(body, minlength=bodies)
@@ -120,22 +134,28 @@ def _pieces(outcome: local_events.RowOutcome, mechanics: Any, end: float) -> Loc
         at = place[body[order]] + within
         begins[at], c[at] = part[order, 1], part[order, 2:]
         place += own
-    times = np.unique(outcome.events[:, 0])
-    inside = times[(times > 0.0) & (times < end)]
+    times = np.unique(events[:, 0])
+    inside = times[(times > begin) & (times < end)]
     mode = np.empty((len(inside) + 1, len(of)), np.int8)
-    number = np.searchsorted(inside, outcome.events[:, 0], side="right")  # of the piece that begins there
-    changed = outcome.events[:, 1].astype(np.int64)
+    number = np.searchsorted(inside, events[:, 0], side="right")  # of the piece that begins there
+    changed = events[:, 1].astype(np.int64)
     order = np.argsort(changed, kind="stable")
     borders = np.searchsorted(changed[order], np.arange(bodies + 1))
-    for i, body in enumerate(of):
-        own = order[borders[body] : borders[body + 1]]
+    for i, rubs in enumerate(of):
+        own = order[borders[rubs] : borders[rubs + 1]]
         edges = [0, *number[own].tolist(), len(mode)]
-        values = [outcome.first_modes[body], *outcome.events[own, 2].astype(np.int8)]
+        values = [first_modes[rubs], *events[own, 2].astype(np.int8)]
         mode[:, i] = np.repeat(values, np.diff(edges))
-    return LocalPieces(np.concatenate([[0.0], inside, [end]]), mode, begins, c, first, _layout(mechanics))
+    return LocalPieces(np.concatenate([[begin], inside, [end]]), mode, begins, c, first, layout_of(mechanics))
 
 
-def _layout(mechanics: Any) -> StateLayout:
+def bodies_of_contacts(mechanics: Any) -> list[int]:
+    """The number of the body of each contact."""
+    number = {name: i for i, name in enumerate(mechanics.bodies)}
+    return [number[contact.body] for contact in mechanics.joints.values()]
+
+
+def layout_of(mechanics: Any) -> StateLayout:
     """The states: velocities, then positions."""
     count = len(mechanics.bodies)
     return StateLayout(

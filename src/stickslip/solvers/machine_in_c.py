@@ -21,7 +21,7 @@ from stickslip.engine.taylor import watched
 from stickslip.engine.values import needed_by
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.pushed import force_names, pushed
-from stickslip.solvers.held_machines import check_one_machine
+from stickslip.solvers.held_bodies import check_one_machine
 from stickslip.solvers.methods import method_for
 from stickslip.solvers.moments import AHEAD
 from stickslip.solvers.request import request

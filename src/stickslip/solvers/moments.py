@@ -12,13 +12,12 @@ from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.basics.fields import number
 from stickslip.basics.interruption import look
 from stickslip.basics.status import Status
-from stickslip.engine.held_lane import ALL, ENDED, ROOM, SPAN_ALONE, THERE, HeldLane, Side
+from stickslip.engine.held_lane import ALL, ENDED, ROOM, SPAN_ALONE, THERE
 from stickslip.solvers.held_cases import HeldCase, Standing
 
 #: Of what has no period: how many typical times its run is taken to be long, until it has lasted half of that.
 AHEAD = 64.0
 _SAME = 1e-12  # of a period: an instant this close to its end is its end
-_JUMP = 1e-9  # of the largest state: a state that changes by more at the end of a step jumps
 
 
 class Kept(NamedTuple):
@@ -42,8 +41,8 @@ class Last(NamedTuple):
 class Moment(NamedTuple):
     """All that a simulation is at an instant; a step makes another one."""
 
-    lane: HeldLane
-    side: Side
+    lane: Any
+    side: Any
     case: HeldCase
     inputs: dict[str, float]  # applied forces, and others that change alone, by the numbers that they are
     span: float
@@ -143,7 +142,7 @@ def after_step(now: Moment, end: float, dt: float | None, given: dict[str, float
     return _advanced(now, goal, stop, bool(given), record)
 
 
-def _renumbered(now: Moment, base: HeldCase, draft: Side, given: dict[str, float], end: float) -> tuple[Any, dict[str, float], float]:
+def _renumbered(now: Moment, base: HeldCase, draft: Any, given: dict[str, float], end: float) -> tuple[Any, dict[str, float], float]:
     """Put new numbers into a draft: the case that has them, those that change alone, and how long a run is taken to be."""
     case, span = base, now.span
     quick = {**now.inputs, **{name: value for name, value in given.items() if name in now.inputs}}
@@ -171,7 +170,7 @@ def _renumbered(now: Moment, base: HeldCase, draft: Side, given: dict[str, float
     return case, quick, span
 
 
-def _aim(draft: Side, case: HeldCase, t: float, end: float, dt: float | None, each_step: bool) -> None:
+def _aim(draft: Any, case: HeldCase, t: float, end: float, dt: float | None, each_step: bool) -> None:
     """Say where a draft goes: a period and a time in it."""
     T, whole, time = case.period, draft.periods, draft.time
     time = time + float(dt) if dt is not None else end if T is None else end - whole * T
@@ -198,7 +197,7 @@ def _advanced(now: Moment, goal: Moment, stop: bool, anew: bool, record: bool) -
         if code in (THERE, ENDED):
             break
         look()
-        if stop and _may_have_happened(draft, new, held):
+        if stop and draft.switched(new, *held):
             happened = case.events(before, rows, case.standing(draft, _time_of(draft, case)))
             if any(event.t > now.t + _SAME * (case.period or goal.span) for event in happened):
                 break
@@ -206,7 +205,7 @@ def _advanced(now: Moment, goal: Moment, stop: bool, anew: bool, record: bool) -
         if len(rows) >= ROOM and not stop:
             after = case.standing(draft, _time_of(draft, case))
             early += case.events(before, rows, after)
-            kept = Kept(kept, case.changed(goal.inputs), rows) if record else kept
+            kept = Kept(kept, case.changed(goal.inputs), case.whole(before, rows, draft)) if record else kept
             before, rows = after, rows[:0]
     status = draft.status if code == ENDED else 0
     t = goal.t if code == THERE else _time_of(draft, case)
@@ -215,15 +214,15 @@ def _advanced(now: Moment, goal: Moment, stop: bool, anew: bool, record: bool) -
     if not np.isfinite(after.states).all():
         status = status or int(Status.NOT_A_NUMBER)
         return now._replace(status=status, sentence=sentence or case.sentence(status, now.side, now.t), last=None)
-    last = Last(case, tuple(early), before, rows, after)
+    last, whole = Last(case, tuple(early), before, rows, after), case.whole(before, rows, draft) if record else rows
     if status == Status.LOST:
         last = last._replace(early=(*early, *case.events(before, rows, after), *case.lost(draft, t)), rows=rows[:0])
-    if record and len(rows):
-        kept = Kept(kept, case.changed(goal.inputs), rows)
+    if record and len(whole):
+        kept = Kept(kept, case.changed(goal.inputs), whole)
     return goal._replace(t=t, standing=after, status=status, sentence=sentence, last=last, kept=kept)
 
 
-def _time_of(side: Side, case: HeldCase) -> float:
+def _time_of(side: Any, case: HeldCase) -> float:
     return side.time if case.period is None else side.periods * case.period + side.time
 
 
@@ -233,14 +232,3 @@ def put(numbers: dict[str, float], row: Array, case: HeldCase) -> None:
         column = case.column(name)
         if column is not None:
             row[column] = value
-
-
-def _may_have_happened(side: Side, rows: Array, held: tuple[Array, Array]) -> bool:
-    """Whether a step ended with another side or mode than it had, or with a jump: only then are its events looked for."""
-    if not np.array_equal(side.sides, held[0]) or not np.array_equal(side.modes, held[1]):
-        return True
-    if not len(rows):
-        return False
-    k = side.kernel
-    end = rows[-1, 4 + k.contacts + k.modes :].reshape(k.states, k.degree + 1).sum(axis=1)
-    return bool(np.any(abs(end - side.states) > _JUMP * np.max(abs(end), initial=1e-300)))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,13 +13,16 @@ from stickslip.basics.arguments import explains_arguments
 from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.status import Status
-from stickslip.engine.held_lane import ENDED, ROOM, Image
+from stickslip.engine.held_lane import Image
 from stickslip.models.crossings import Crossing
 from stickslip.models.model_adapter import adapter_of
 from stickslip.results.named_events import found_events
+from stickslip.solvers.held_bodies import check_one_machine
 from stickslip.solvers.held_cases import HeldCase
 from stickslip.solvers.held_flows import FlowCase
 from stickslip.solvers.held_machines import MachineCase
+from stickslip.solvers.held_rows import RowCase
+from stickslip.solvers.methods import LocalSteps
 from stickslip.solvers.moments import Kept, Moment, after_step, changes_in, end_of, first_moment
 from stickslip.solvers.named_events import events_of_model
 
@@ -149,16 +151,10 @@ class Simulation:
             If no motion follows, as where a contact is lost.
         """
         now = self.now
-        draft = now.lane.draft_of(now.side)
-        draft.aim(now.side.periods + 1, math.inf, now.case.budget(1.0), each_step=True)
-        for _ in range(ROOM):
-            code = draft.advance(1)
-            rows = draft.taken()
-            if code == ENDED:
-                break
-            if len(rows) and rows[0, 2] > rows[0, 1]:
-                run = now.case.changed(now.inputs).run(rows, {"samples": 4})
-                return dict(run.at(run.pieces.t[0])) | {"t": now.t}
+        rows = now.lane.ahead(now.side, now.case.budget(1.0))
+        if rows is not None:
+            run = now.case.changed(now.inputs).run(rows, {"samples": 4})
+            return dict(run.at(run.pieces.t[0])) | {"t": now.t}
         raise InputError("columns", [f"no motion follows from t = {now.t:.9g} s: {self.status}; type sim.state for the state there"])
 
     # ---- on ----
@@ -312,7 +308,7 @@ def simulation(
     Parameters
     ----------
     machine : Robot or a mechanism, a machine of several bodies, or a SwitchingFlow
-        One case. A machine of more than 16 contacts, and one that only SciPy solves, are refused.
+        One case. A machine that only SciPy solves is refused.
     start : dict, optional
         As for `solve`; also `Simulation.start` of another one.
     rtol : float
@@ -372,6 +368,10 @@ def case_of(machine: Any, start: Any, rtol: float, method: str, mode: Any) -> An
     if mode is not None and bodies:
         raise InputError("simulation", [f"mode = {mode!r} is for a SwitchingFlow; leave it out: modes of contacts follow from start"])
     try:
-        return MachineCase(machine, start, rtol, method) if bodies else FlowCase(machine, start, method, mode)
+        if not bodies:
+            return FlowCase(machine, start, method, mode)
+        check_one_machine(machine, "simulation")
+        goes_locally = method in LocalSteps.names and LocalSteps().accepts(machine) is None
+        return (RowCase if goes_locally else MachineCase)(machine, start, rtol, method)
     except InputError as error:
         raise InputError("simulation", error.problems) from None

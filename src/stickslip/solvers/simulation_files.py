@@ -17,7 +17,6 @@ from stickslip.basics.errors import InputError, as_path
 from stickslip.basics.jsontext import as_plain
 from stickslip.basics.unpacking import Allowance
 from stickslip.basics.whole_files import unwritable, write_whole
-from stickslip.engine.held_lane import ALL
 from stickslip.models.model_adapter import adapter_of
 from stickslip.results.storage import from_text
 from stickslip.solvers.moments import Moment, first_moment, put, standing_of
@@ -43,14 +42,9 @@ def save(sim: Simulation, path: str | Path) -> Path:
         "numbers": {**now.case.numbers(), **{name: now.inputs[n] for name, n in now.case.names.items() if n in now.inputs}},
         "is_pushed": now.case.is_pushed, "t": now.t, "periods": side.periods, "time": side.time, "span": now.span,
         "status": now.status, "sentence": now.sentence,
-        "state": [side.way, *side.states, *side.memory], "kernel": _kernel_name(now), "lane": side.S,
+        "state": [side.way, *side.states, *side.memory], "kernel": now.case.kernel_name, "lane": side.numbers(),
     }  # fmt: skip
     return write_whole(path, json.dumps(as_plain(table)), unwritable("save"))
-
-
-def _kernel_name(now: Moment) -> str:
-    """The name of a kernel, which has a checksum of its content."""
-    return str(Path(str(now.lane.kernel.module.__file__)).stem)
 
 
 def _machine_table(sim: Simulation) -> dict[str, Any]:
@@ -156,7 +150,7 @@ def _moment(table: dict[str, Any], case: Any) -> Moment:
     quick = {number: value for number, value in changed.items() if case.is_quick(number)}
     own = case.numbers()
     others = {names[name]: value for name, value in numbers.items() if names[name] not in quick and value != own[name]}
-    case = (case.changed(others) if others else case).ready_for(quick if table["is_pushed"] is True else ())
+    case = (case.changed(others) if others else case).ready_for(quick if table["is_pushed"] is True else {})
     first = first_moment(case)
     side, span = first.side, _finite(table["span"])
     if not span > 0.0:
@@ -167,13 +161,10 @@ def _moment(table: dict[str, Any], case: Any) -> Moment:
     if not 0 <= periods < _MOST_PERIODS or not 0.0 <= time <= (math.inf if case.period is None else 1.001 * case.period):
         raise ValueError("its time is not within a period")
     way, states, memory = np.split(_numbers(table["state"], 1 + len(side.states) + len(side.memory)), [1, 1 + len(side.states)])
-    if table["kernel"] == _kernel_name(first):
-        side.S[:] = _numbers(table["lane"], len(side.S))
-        side.row[:] = row
+    if table["kernel"] == case.kernel_name:
+        side.take(_numbers(table["lane"], len(side.numbers())), row)
     else:  # that of another version: it goes on from the state
-        side.count_way_from(float(way[0]))
-        side.states[:], side.memory[:] = states, memory
-        side.renumber(row, ALL)
+        side.begin_from(float(way[0]), states, memory, row, t)
     if not adapter_of(case.machine).has_bodies and not 1 <= round(float(side.memory[0])) <= len(case.machine.modes):
         raise ValueError("its mode is not one of the flow")
     side.stand(periods, time)

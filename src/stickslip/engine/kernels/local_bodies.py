@@ -3,8 +3,8 @@
 # mypy: ignore-errors
 
 # columns of S (body): when its piece began, position and velocity there, mass, velocity of what it rubs on, friction limits at rest,
-# until when its cluster's step holds, sum of the forces and of their sizes
-T0, XS, VS, MASS, BASE, LOW, HIGH, END, SUM, SIZE = range(10)
+# until when its cluster's step holds, sum of the forces and of their sizes, a constant force on it
+T0, XS, VS, MASS, BASE, LOW, HIGH, END, SUM, SIZE, PUSH = range(11)
 # columns of K (body): mode (2: it has no contact); kinds of its friction forwards and backwards (-1: none), each with its row of numbers;
 # kind of its applied force and its row; its first entry in ADJ, and how many there are; first body of its cluster; a mark; its next event
 # (of a cluster the body that comes to rest, or -1; of a body at rest 1 or -1 where it breaks away, else 0); whether its slip begins at
@@ -12,10 +12,11 @@ T0, XS, VS, MASS, BASE, LOW, HIGH, END, SUM, SIZE = range(10)
 MODE, AHEAD, AT_AHEAD, BACK, AT_BACK, APPLIED, AT_APPLIED, FIRST, COUNT, LEADER, MARK, WHAT, BORN, AT_ONCE, AT_GROUP = range(15)
 # columns of LINK: its ends (-1: the ground), kind, row of numbers, mark
 A, B, KIND, AT, SEEN = range(5)
-# JOB: time, end of the run, typical velocity, whether a force is not linear
-NOW, STOP, SPEED, CURVED = range(4)
-# N: status, pieces and events written, steps and events done, the last mark, steps left for this call
-STATUS, PIECES_WRITTEN, EVENTS_WRITTEN, STEPS, SWITCHED, MARKS, LEFT, REJECTED = range(8)
+# JOB: time, end of the run, typical velocity, whether a force is not linear, where it pauses, whether it pauses after each event
+NOW, STOP, SPEED, CURVED, PAUSE, EACH_EVENT = range(6)
+# N: status, pieces and events written, steps and events done, the last mark, steps left for this call, steps rejected, whether it has
+# come to its pause
+STATUS, PIECES_WRITTEN, EVENTS_WRITTEN, STEPS, SWITCHED, MARKS, LEFT, REJECTED, PAUSED = range(9)
 
 ORDERS = ORDER + 1
 PLACES = ORDER + 2  # coefficients of a position
@@ -92,10 +93,11 @@ def velocity_at(i, now, S, K, X):
 @njit(float64(int64, float64, float64, float64, f2, i2, f2, i2, i1, f1, i1))
 def push_on(i, now, x, v, S, K, X, LINK, ADJ, NUM, N):
     """All forces on a body but friction; their sizes stand at SIZE."""
-    total, size = 0.0, 0.0
+    total, size = S[i, PUSH], abs(S[i, PUSH])
     if K[i, APPLIED] >= 0:
-        total = applied_value(K[i, APPLIED], NUM, K[i, AT_APPLIED], now, x, v)
-        size = abs(total)
+        force = applied_value(K[i, APPLIED], NUM, K[i, AT_APPLIED], now, x, v)
+        total += force
+        size += abs(force)
     for k in range(K[i, COUNT]):
         e = ADJ[K[i, FIRST] + k]
         other = LINK[e, B] if LINK[e, A] == i else LINK[e, A]

@@ -97,10 +97,10 @@ def expand(first, end, now, S, K, X, LINK, ADJ, NUM, WL, WC, WA, Q, L, N):
     for q in range(first, end):
         i = Q[q]
         X[i, 0], X[i, 1] = S[i, XS], S[i, VS]
-        S[i, SIZE] = 0.0
+        S[i, SIZE] = abs(S[i, PUSH])
     for m in range(ORDER):
         for q in range(first, end):
-            S[Q[q], SUM] = 0.0
+            S[Q[q], SUM] = S[Q[q], PUSH] if m == 0 else 0.0
         for k in range(count):
             e = L[k]
             a, b = LINK[e, A], LINK[e, B]

@@ -47,8 +47,8 @@ def watch(i, now, S, K, X, LINK, ADJ, NUM, WL, WA, Z, G, TREE, JOB):
     """Plan when a body at rest breaks away, or is looked at again."""
     end = JOB[STOP]
     for m in range(ORDERS):
-        Z[0, m] = 0.0
-    size = S[i, HIGH] - S[i, LOW]
+        Z[0, m] = S[i, PUSH] if m == 0 else 0.0
+    size = S[i, HIGH] - S[i, LOW] + abs(S[i, PUSH])
     row_at(i, now, S, K, X, Z[1])
     for k in range(K[i, COUNT]):
         e = ADJ[K[i, FIRST] + k]
@@ -189,14 +189,19 @@ def finish(S, K, X, JOB, PIECES, N):
 
 @njit(void(f2, i2, f2, i2, i1, f1, f2, f2, f2, f2, f1, f1, f1, i1, i1, f2, f2, i1))
 def advance(S, K, X, LINK, ADJ, NUM, WL, WC, WA, Z, G, TREE, JOB, Q, L, PIECES, EVENTS, N):
-    """Go on until the end, until the arrays for pieces or events are full, or until the steps of this call are used up."""
+    """Go on until the end or the pause, until the arrays for pieces or events are full, or until the steps of this call are used up."""
     bodies = len(S)
+    N[PAUSED] = 0
     while N[STATUS] == 0 and N[LEFT] > 0:
         if N[PIECES_WRITTEN] + 3 * bodies > len(PIECES) or N[EVENTS_WRITTEN] + bodies > len(EVENTS):
             return
         N[LEFT] -= 1
         i = next_due(TREE)
         now = S[i, T0] if TREE[len(TREE) // 2 + i] < S[i, T0] else TREE[len(TREE) // 2 + i]
+        if now > JOB[PAUSE]:
+            JOB[NOW] = JOB[PAUSE]
+            N[PAUSED] = 1
+            return
         if now >= JOB[STOP]:
             JOB[NOW] = JOB[STOP]
             finish(S, K, X, JOB, PIECES, N)
@@ -226,6 +231,8 @@ def advance(S, K, X, LINK, ADJ, NUM, WL, WC, WA, Z, G, TREE, JOB, Q, L, PIECES, 
             if what >= 0:
                 settle(what, now, S, K, X, LINK, ADJ, NUM, EVENTS, N)
         regroup(0, count, now, S, K, X, LINK, ADJ, NUM, WL, WC, WA, Z, G, TREE, JOB, Q, L, N)
+        if JOB[EACH_EVENT] > 0.0 and N[EVENTS_WRITTEN] > 0:
+            return
 
 
 @njit(void(int64, f2, i2, f2, i2, i1, f1, f2, f2, f2, f2, f1, f1, f1, i1, i1, f2, f2, i1))

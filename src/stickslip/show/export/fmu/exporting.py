@@ -58,7 +58,7 @@ def export_fmu(
     Parameters
     ----------
     machine : Robot or a mechanism, or a machine of several bodies
-        One case, with up to 16 contacts.
+        One case. Equations are written out, so that the text grows with the number of contacts.
     path : str or Path, optional
         The file, or a folder; by default the name of the machine's class in the current folder.
     inputs : sequence of str, optional
