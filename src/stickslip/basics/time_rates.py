@@ -113,6 +113,10 @@ class _Condition:
         yes, no = _lift(yes), _lift(no)
         return Moving(*(maths.where(self.holds, *both) for both in ((yes.value, no.value), (yes.rate, no.rate), (yes.second, no.second))))
 
+    def __bool__(self) -> bool:
+        """The truth of a condition on a number; arrays and symbols refuse it, which an `if` would take for true."""
+        return bool(self.holds)
+
     def __and__(self, other: Any) -> _Condition:
         return _Condition(self.holds & _holds(other))
 

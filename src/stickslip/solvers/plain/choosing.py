@@ -112,7 +112,7 @@ def after_event(
     turned = [i for i in touched if e.dynamic[i]]
     if came := [*zero, *turned]:
         y = e.at_rest(t, y, mode.moved(dict.fromkeys(came, 0)))
-    e.look(t, e.state(y)[0])
+    e.look(t, *e.state(y))
     rested = [mode.sides[i] == 0 for i in zero]
     forced, resting = dict(forced or {}), mode.moved(dict.fromkeys(zero, 0))
     problem = _Problem(zero, np.array([[e.G[i][j] for j in zero] for i in zero]).reshape(len(zero), len(zero)), rested)

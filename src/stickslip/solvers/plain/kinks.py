@@ -78,6 +78,11 @@ for _name in ("sin", "cos", "exp", "log", "sqrt", "tanh", "atan", "sinh", "cosh"
     setattr(_Number, f"__ss_{_name}__", _function(_name))
 
 
+def noting(value: float, like: Any) -> Any:
+    """A value that notes what it is compared with, if the number of which it was made does."""
+    return _Number(float(value), like.book) if isinstance(like, _Number) else value
+
+
 class Watching:
     """A function of time and of vectors, asked with the answers to its conditions held.
 

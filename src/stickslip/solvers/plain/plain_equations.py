@@ -22,6 +22,7 @@ from stickslip.models.machine_adapter import machine_of
 from stickslip.models.position_dependence import knows_position
 from stickslip.solvers.plain.deciding import ROUNDING, blocks
 from stickslip.solvers.plain.kinks import Sides, Watching
+from stickslip.solvers.plain.own_route import OwnRoute
 from stickslip.solvers.plain.resting import RestingGroup, group_of
 
 SHORT = 1e-8  # of a period: rebounds that end within it are one event
@@ -76,12 +77,14 @@ class Equations:
     def __init__(self, model: Model):
         machine = machine_of(model)
         self.model, self.mechanics = model, (mechanics := machine.mechanics)
+        self.own: Any = OwnRoute(mechanics) if mechanics.joined else mechanics
         self.laws, self.stops, self.principal = mechanics.laws, mechanics.stops, machine.principal
         self.single = machine.one_body is not None
         self.masses = [float(m) for m in mechanics.masses]
         rows = mechanics.rows(0.0, mechanics.start)
         self.rows = [tuple(map(float, row)) for row in (*rows, *(stop.direction for stop in self.stops))]
         self.alone = [next((c for c, g in enumerate(row) if g), 0) if sum(map(bool, row)) == 1 else None for row in self.rows]
+        self.weighed: tuple[float, ...] = ()
         self._weigh([[g / m for g, m in zip(row, self.masses, strict=True)] for row in self.rows])
         self.dynamic = [*(law.dynamic for law in self.laws), *(False for _ in self.stops)]
         self._count()
@@ -111,10 +114,11 @@ class Equations:
         ]
         self.groups = lru_cache(maxsize=256)(self._groups)
 
-    def look(self, t: float, q: Floats) -> None:
+    def look(self, t: float, q: Floats, u: Floats) -> None:
         """Weigh anew where the matrix of inertia is that of a place."""
-        if self.mechanics.joined:
-            self._weigh([list(map(float, self.mechanics.pushed(t, q, row))) for row in self.rows])
+        if self.mechanics.joined and self.weighed != (at := (t, *q)):
+            self.weighed = at
+            self._weigh(self.own.felt(t, q, u))
 
     def _count(self) -> None:
         self.n, self.k = len(self.masses), len(self.laws)
@@ -232,13 +236,13 @@ class Equations:
                 c, moving = self.alone[i], [*u]
                 if c is not None and not self.dynamic[i] and side * float(w) <= TINY:
                     moving[c] = u[c] + (side * TINY - float(w)) / self.rows[i][c]
-                loads.append(self.mechanics.load(i, t, q, moving, z))
+                loads.append(self.own.load(i, t, q, moving, z))
         return loads
 
     def _moved(self, t: float, q: Any, u: Any, R: Any, z: Any) -> list[Any]:
         """Accelerations of the coordinates, and rates of what controllers hold."""
         m = self.mechanics
-        return [*m.accelerations(t, q, u, R, z), *(m.control_rates(t, q, u, z) if m.controllers.count else ())]
+        return [*self.own.accelerations(t, q, u, R, z), *(m.control_rates(t, q, u, z) if m.controllers.count else ())]
 
     def pressed(self, t: float, y: ArrayLike, mode: ContactModes) -> Pressed:
         """Normal forces on contacts that go forwards, and backwards; positive also a moment after a contact is lost, for steps look on."""
@@ -263,7 +267,7 @@ class Equations:
         """Rates and forces of a state."""
         t = self.time(t)
         q, u = self.state(y)
-        self.look(t, q)
+        self.look(t, q, u)
         u = self.settled(t, u, mode)
         w, loads = [*map(float, self.mechanics.slips(t, u))], self.pressed(t, [*q, *u, *y[2 * self.n :]], mode)
         R, inner = self._friction(t, q, u, y, w, loads.on(mode.sides), mode)
@@ -369,7 +373,7 @@ class Equations:
     def at_rest(self, t: float, y: ArrayLike, mode: ContactModes) -> Any:
         """The state with resting rows settled."""
         y = np.array(y, float)
-        self.look(t, self.state(y)[0])
+        self.look(t, *self.state(y))
         y[self.n : 2 * self.n] = self.settled(self.time(t), self.state(y)[1], mode)
         return y
 
@@ -393,7 +397,7 @@ class Equations:
     def output(self, t: float, y: Array, mode: ContactModes) -> Floats:
         """The states of the dense output: velocities of the coordinates, inner states, and positions where they are known."""
         q, u = self.state(y)
-        self.look(t, q)
+        self.look(t, q, u)
         return [*self.settled(self.time(t), u, mode), *map(float, y[2 * self.n :]), *(() if self.cyclic else q)]
 
 
