@@ -21,7 +21,7 @@ __all__ = ["bristle_is_slow", "dahl_without_stick_slip"]
 #: Spring of the pulled mass [N/m]: it extends a thousand times as far as the bristles.
 SPRING = 400.0
 #: Fraction of a drive period run with the bristle model, and periods of the robot under Dahl friction, with scipy's DOP853.
-PART, PART_FAST, PERIODS = 0.3, 0.1, 8
+PART, PERIODS = 0.3, 8
 #: Threshold of rest, relative to the largest speed of the body.
 STILL = 0.02
 _PLAIN: dict[str, Any] = {"method": "dop853", "rtol": 1e-6}
@@ -55,8 +55,7 @@ def _still(robot: Any) -> float:
 def bristle_is_slow(study: ClaimData) -> PaperClaim:
     """Bristle model: tiny steps, long simulations."""
     robot = rig(EXPERIMENTS[0])
-    part = PART_FAST if study.fast else PART
-    own, time = robot.friction, part * float(robot.period)
+    own, time = robot.friction, PART * float(robot.period)
     laws = {"lugre": own, "bristle": Bristle(own.mu_plus, own.mu_minus, own.sigma0)}
     runs = {name: solve(replace(robot, friction=law), duration=time, **_PLAIN) for name, law in laws.items()}
     counts = {name: {n: int(c) for n, c in run.counts.items()} for name, run in runs.items()}
@@ -71,7 +70,7 @@ def bristle_is_slow(study: ClaimData) -> PaperClaim:
         tiny,
         {"counts": counts, "snaps": snaps, "path": path, "path_of_a_period": whole},
         [(tiny, {}), (None, {})],
-        part=part,
+        part=PART,
         step=time / counts["bristle"]["steps"],
         snaps_of_a_period=100 * round(whole / path["bristle"] * snaps / 100),
         ends=ends,
