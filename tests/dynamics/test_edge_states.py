@@ -127,12 +127,15 @@ def test_a_third_basin_between_two_starts_is_said():
 
 
 def test_the_edge_of_what_nothing_drives_needs_no_more_than_a_time_between_two_looks():
-    """A saddle with its two exponents, and an unstable cycle of known radius between rest and a cycle."""
+    """A saddle with its two exponents."""
     wells = ss.SwitchingFlow({0: lambda t, y: (y[1], y[0] - y[0] ** 3 - 0.5 * y[1])}, {}, 1.0, {}, ("x", "v"))
-    saddle = ss.dynamics.edge_state(wells, {"x": -0.9, "v": 0.2}, {"x": 1.2})
+    saddle = ss.dynamics.edge_state(wells, {"x": -0.9, "v": 0.2}, {"x": 1.2}, settle=20)
     assert saddle.kind == "saddle" and saddle.state[:2] == pytest.approx([0.0, 0.0], abs=1e-10)
     assert np.log(saddle.multipliers) == pytest.approx(-0.25 + np.sqrt(0.0625 + 1.0) * np.array([1.0, -1.0]), abs=1e-8)
 
+
+@pytest.mark.slow
+def test_the_edge_between_rest_and_a_cycle_is_the_unstable_cycle_of_known_radius():
     def round_about(t, y):
         r2 = y[0] ** 2 + y[1] ** 2
         growth = -0.5 + r2 - 0.25 * r2**2
