@@ -16,7 +16,7 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import look
 from stickslip.basics.notebook_display import Drawn
 from stickslip.solvers import solve
-from stickslip.solvers.plain.composed_flows import composed
+from stickslip.solvers.plain.composed_flows import check_judged, composed
 from stickslip.solvers.plain.judged_flows import passage_by_scipy
 
 if TYPE_CHECKING:
@@ -118,13 +118,14 @@ def _row(judge: FlowJudge) -> tuple[str, ...]:
 def check_flow_run(flow: SwitchingFlow, periods: int, duration: float | None, start: Any) -> FlowCheck:
     """The digits of a flow's states after some periods of its forcing, at most 12, or after a time."""
     length: dict[str, Any] = {"duration": duration} if duration is not None else {"periods": min(periods, _PERIODS)}
+    check_judged(flow)
     begin = time.perf_counter()
     run: Any = solve(flow, start=start, keep="trajectory", **length)
     took, t0 = time.perf_counter() - begin, float(run.nodes[0])
     names, y, mode = run.names, run.coefficients[0, :, 0].copy(), list(flow.modes)[int(run.modes[0])]
     end, span = dict(zip(names, map(float, run.state), strict=True)), float(run.nodes[-1]) - t0
     sizes = np.maximum(abs(run.lowest), abs(run.highest))
-    judges = [FlowJudge("Taylor steps", "exact to rounding", end, 0.0, len(run.events), took, "the reference")]
+    judges = [FlowJudge(*_named(run), end, 0.0, len(run.events), took, "the reference")]
     for rtol in _TOLERANCES:
         look()
         begin = time.perf_counter()
@@ -139,13 +140,18 @@ def check_flow_run(flow: SwitchingFlow, periods: int, duration: float | None, st
     last = judges[-1]
     same = last.switches == len(run.events)
     digits = certain_digits(1.0, max(last.difference, 1e-15)) if same and math.isfinite(last.difference) else 0
-    return FlowCheck(end, span, last.difference, digits, tuple(judges), _verdict(span, last, digits, same))
+    return FlowCheck(end, span, last.difference, digits, tuple(judges), _verdict(span, last, digits, same, judges[0].name))
 
 
-def _verdict(span: float, judge: FlowJudge, digits: int, same: bool) -> str:
+def _named(run: Any) -> tuple[str, str]:
+    """What the steps of a run are called, and how exact they are."""
+    return ("Taylor steps", "exact to rounding") if run.method == "exact" else (f"{run.method} steps", f"rtol {run.rtol:.0e}")
+
+
+def _verdict(span: float, judge: FlowJudge, digits: int, same: bool, own: str) -> str:
     if not math.isfinite(judge.difference):
         return f"No other method could confirm the states after {span:.6g}: no digit is certain."
     if not same:
         return f"The methods switch differently often within {span:.6g}: no digit is certain."
-    agree = f"Taylor steps and SciPy agree to {judge.difference:.1e} of the states' size"
+    agree = f"{own} and SciPy agree to {judge.difference:.1e} of the states' size"
     return f"{digits} digits of the states after {span:.6g} are certain: {agree}." if digits else f"No digit is certain: {agree}."

@@ -14,6 +14,7 @@ from stickslip.engine.symbolic import Symbolic
 from stickslip.engine.symbols import Sym, TraceError
 from stickslip.engine.system import Branches, TracedContact
 from stickslip.engine.values import needed_by
+from stickslip.models.friction.law_adapter import LawAdapter
 from stickslip.models.mechanics import brakes_one
 
 _UNPRESSED = 1e-12  # of the force that gives a mass the velocity scale in a period: a load that is none
@@ -91,14 +92,23 @@ def _kept(m: Symbolic, i: int, mass: Sym, a: tuple[Sym, ...]) -> Sym:
 
 def _add_switches(parts: Assembly, i: int, z: tuple[Sym, ...], own: list[tuple[int, Sym]], first: int) -> None:
     """The law's switches; those at the instant when v passes zero belong to the guard that is there already."""
-    m, passing = parts.m, abs(parts.m.slips[i])
-    for guard, new_modes, new_z in m.laws[i].switches(m.slips[i], z, m.loads[i], tuple(mode for _, mode in own)):
-        modes = {number: m.lift(new) for (number, _), new in zip(own, new_modes, strict=True)}
-        states = {} if new_z is None else {first + k: m.lift(new) for k, new in enumerate(new_z)}
-        if guard is passing:
+    m = parts.m
+    for guard, new_modes, new_z in switches_of_law(m.laws[i], m.slips[i], z, m.loads[i], tuple(mode for _, mode in own), m.lift):
+        modes = {number: new for (number, _), new in zip(own, new_modes, strict=True)}
+        states = {} if new_z is None else {first + k: new for k, new in enumerate(new_z)}
+        if guard is None:
             parts.at_rest[i] = (modes, states)
         else:
-            parts.events.append((m.lift(guard), modes, states, 0))
+            parts.events.append((guard, modes, states, 0))
+
+
+def switches_of_law(law: LawAdapter, slip: Sym, z: tuple[Sym, ...], load: Any, modes: tuple[Sym, ...], lift: Any) -> list[Any]:
+    """What ends the modes of a law: guards (None: the slip passes zero), each with the modes and the inner states (or None) after it."""
+    passing = abs(slip)
+    return [
+        (None if guard is passing else lift(guard), tuple(map(lift, after)), None if new is None else tuple(map(lift, new)))
+        for guard, after, new in law.switches(slip, z, load, modes)
+    ]
 
 
 def _add_set_valued(parts: Assembly, i: int, speed: Sym | None) -> None:

@@ -12,6 +12,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.status import Status
+from stickslip.engine.contact_equations import switches_of_law
 from stickslip.engine.coupled import SLIP, Box
 from stickslip.engine.graphs import Substituted
 from stickslip.engine.symbols import STATE, Sym, TraceError, is_zero
@@ -41,6 +42,9 @@ class FlowContacts:
         self.boxes: list[Box] = []
         self.forces: dict[int, Sym] = {}
         self.of_inner: list[Sym] = []
+        self.memories = self._memories(len(flow.clerks) + (1 + len(self.resting) if self.resting else 0))
+        self.at_rest: dict[int, tuple[dict[int, Sym], dict[int, Sym]]] = {}  # by guard: new memories and states where a slip passes zero
+        self.of_memories: list[tuple[Sym, dict[int, Sym], dict[int, Sym]]] = []  # other guards of laws that remember, with the same
 
     @property
     def zero(self) -> Sym:
@@ -60,8 +64,8 @@ class FlowContacts:
     # ---- equations ----
     def applied(self, rates: list[Sym]) -> list[Sym]:
         """The rates of all states from those of the field, with the forces that the modes say."""
-        inner, more = self._inner()
-        self.of_inner = [*inner.values(), *more]
+        inner, more = self._inner(rates)
+        self.of_inner = [*inner.values(), *more, *self.of_inner]
         rates = self._with(rates, inner)
         self.boxes = self._boxes(rates) if self.resting else []
         self.forces = inner | {i: R for box in self.boxes for i, R in box.forces(box.modes).items()}
@@ -73,18 +77,78 @@ class FlowContacts:
         put = Substituted(self.graph, {self.unknown[i].name: R for i, R in forces.items()})
         return [put.of(rate) for rate in rates]
 
-    def _inner(self) -> tuple[dict[int, Sym], list[Sym]]:
-        """Forces of the laws with inner states, and the rates of these."""
-        forces: dict[int, Sym] = {}
-        rates: list[Sym] = []
-        first = len(self.y) - sum(law.states for law in self.laws)
+    # ---- laws with a rate and a force ----
+    def _memories(self, number: int) -> dict[int, tuple[Sym, int]]:
+        """What laws remember, by number of the state that keeps it: the mode that steps hold, and which contact's it is.
+
+        It is a state too, which nothing moves but the law's switches, so that a state says all of where a motion goes on.
+        """
+        memories: dict[int, tuple[Sym, int]] = {}
+        at = len(self.y) - sum(law.states + law.modes for law in self.laws)
         for i, law in enumerate(self.laws):
-            if law.dynamic:
-                z = tuple(self.y[first : first + law.states])
-                force, own = self._of_law(lambda law=law, i=i, z=z: law.response(self.slips[i], z, self.loads[i]))  # type: ignore[misc]
-                forces[i], first = self.flow.number(force), first + law.states
-                rates += map(self.flow.number, own)
-        return forces, rates
+            for state in range(at + law.states, at + law.states + law.modes):
+                memories[state] = self.graph.mode(f"mode{number + len(memories)}"), i
+            at += law.states + law.modes
+        return memories
+
+    def _inner(self, rates: Sequence[Sym]) -> tuple[dict[int, Sym], list[Sym]]:
+        """Forces of the laws with a rate and a force, and the rates of their states."""
+        forces: dict[int, Sym] = {}
+        more: list[Sym] = []
+        first = len(self.y) - sum(law.states + law.modes for law in self.laws)
+        for i, law in enumerate(self.laws):
+            if not law.dynamic:
+                continue
+            z, last = tuple(self.y[first : first + law.states]), first + law.states
+            held = tuple(self.memories[last + k][0] for k in range(law.modes))
+            applied = self._applied(i, rates) if law.needs_applied else 0.0
+
+            def response(law: Any = law, i: int = i, z: Any = z, held: Any = held, applied: Any = applied) -> Any:
+                return law.response(self.slips[i], z, self.loads[i], held, applied)
+
+            force, own = self._of_law(response)
+            forces[i] = self.flow.number(force)
+            more += [*map(self.flow.number, own), *(self.zero for _ in held)]
+            if law.switching:
+                self._add_switches(i, z, held, first)
+            first = last + law.modes
+        return forces, more
+
+    def _applied(self, i: int, rates: Sequence[Sym]) -> Sym:
+        """The force that would keep the slip of a contact as it is; an error where others rub on it too."""
+        graph, own, name = self.graph, self.y[: len(rates)], self.names[i]
+        slopes = [graph.derivative(self.slips[i], state) for state in own]
+        rate = _total([graph.derivative(self.slips[i], self.flow.t), *_products(slopes, rates)])
+        if others := [k for k, R in enumerate(self.unknown) if k != i and not is_zero(graph.derivative(rate, R))]:
+            mistake = f"the law of contact {name!r} asks for the force that would hold it, on which {self.names[others[0]]!r} rubs too"
+            raise TraceError(f"{mistake}; give both a law that rests exactly, such as Coulomb")
+        share = -graph.derivative(rate, self.unknown[i])
+        if graph.varies(share) & {R.name for R in self.unknown}:
+            raise TraceError(f"the field {NOT_LINEAR.format(name)}")
+        return Substituted(graph, {self.unknown[i].name: self.zero}).of(rate) / share
+
+    def _add_switches(self, i: int, z: tuple[Sym, ...], held: tuple[Sym, ...], first: int) -> None:
+        """The switches of a law that remembers."""
+        slip, law, last = self.slips[i], self.laws[i], first + len(z)
+        self.graph.sign(slip)
+        guard = next(k for k, known in enumerate(self.graph.guards) if known is slip)
+        switches = self._of_law(lambda: switches_of_law(law, slip, z, self.loads[i], held, self.flow.number))
+        self.of_inner.append(abs(slip))
+        for passed, modes, new in switches:
+            memories = {last + k: mode for k, mode in enumerate(modes)}
+            states = {} if new is None else {first + k: state for k, state in enumerate(new)}
+            self.of_inner += [*memories.values(), *states.values(), *([] if passed is None else [passed])]
+            if passed is None:
+                self.at_rest[guard] = (memories, states)
+            else:
+                self.of_memories.append((passed, memories, states))
+
+    def remembering(self, memories: dict[int, Sym], states: dict[int, Sym]) -> TracedSwitch:
+        """What a law's switch makes of the modes and of the states."""
+        flow, kept = self.flow, {state: mode for state, (mode, _) in self.memories.items()}
+        modes = tuple((kept | memories).values())
+        new = states | memories
+        return TracedSwitch((*flow.held[: len(flow.held) - len(modes)], *modes), tuple(new.get(j) for j in range(len(self.y))))
 
     @property
     def of_laws(self) -> list[Sym]:

@@ -123,7 +123,8 @@ class TracedFlow:
         self.contacts = FlowContacts(self, self.y)
         sides = tuple(self.contacts.sides.values())
         self.mode = graph.mode(f"mode{len(self.clerks)}") if sides else self.number_of_mode  # of the field
-        self.held = (*self.clerks, self.mode, *sides) if sides else self.clerks
+        memories = tuple(mode for mode, _ in self.contacts.memories.values())
+        self.held = (*self.clerks, self.mode, *sides, *memories) if sides else (*self.clerks, *memories)
         given = self.contacts.given
         self.fields = [self.numbers_of(self.called(flow.fields[mode], *given), self.own) for mode in self.modes]
         exits = [(k, switch) for k, mode in enumerate(self.modes) for switch in flow.switches.get(mode, ())]
@@ -244,13 +245,16 @@ class TracedFlow:
 
     def _mode(self, to: Sym, sides: Mapping[int, Sym], *clerks: Sym) -> tuple[Sym, ...]:
         """All modes, from that of the field, what the contacts do, and the counts of switches."""
-        return (self.contacts.number(to, dict(sides)), *clerks, to, *sides.values()) if sides else (to, *clerks)
+        memories = tuple(mode for mode, _ in self.contacts.memories.values())
+        own = (self.contacts.number(to, dict(sides)), *clerks, to, *sides.values()) if sides else (to, *clerks)
+        return (*own, *memories)
 
     def _first_modes(self) -> tuple[Sym, ...]:
         """The modes with which a run begins: of a number below zero, a mode of the field, the contacts' are decided by the state."""
         given, graph, zero = self.number_of_mode, self.graph, self.graph.constant(0.0)
+        memories = tuple(self.y[state] for state in self.contacts.memories)
         if not self.first:
-            return (self.mode, zero, zero, zero)
+            return (self.mode, zero, zero, zero, *memories)
         known = list(self.flow.labels.values())
 
         def decoded(of: Callable[[int], float]) -> Sym:
@@ -262,7 +266,7 @@ class TracedFlow:
             i: graph.select(-given, decided.of(side), decoded(lambda k, place=place: float(known[k][1][place])))  # type: ignore[misc]
             for place, (i, side) in enumerate(self.first.items())
         }
-        return self._mode(to, sides, zero, zero, zero)
+        return (*self._mode(to, sides, zero, zero, zero)[: len(self.held) - len(memories)], *memories)
 
     def ends(self) -> list[tuple[Sym, TracedSwitch]]:
         """Conditions that end a run: the largest number of switches, and switches that accumulate."""
@@ -283,8 +287,11 @@ class TracedFlow:
         ends = self.ends()
         rubbing = self.contacts.events()
         of_contacts = [self._switched(self.mode, sides, states) for _, sides, states in rubbing]
-        guards += [guard for guard, _, _ in rubbing]
-        switches = dict(enumerate([*(switch for _, switch in ends), *self.switches, *of_contacts], start=len(held)))
+        remembering = self.contacts.of_memories
+        guards += [guard for guard, *_ in (*rubbing, *remembering)]
+        of_laws = [self.contacts.remembering(*new) for _, *new in remembering]
+        switches = dict(enumerate([*(switch for _, switch in ends), *self.switches, *of_contacts, *of_laws], start=len(held)))
+        switches |= {k: self.contacts.remembering(*new) for k, new in self.contacts.at_rest.items()}
         scales = self.scales
         instants = [instant for clock in graph.clocks for instant in instants_of(graph, clock, self.t)]
         names = (*self.numbers, *graph.constants, BEGIN, MOST, *(scale.name for scale in scales), SPAN)
@@ -293,7 +300,7 @@ class TracedFlow:
             inertia=None, guards=(*held, *(guard for guard, _ in ends), *guards), signs=len(held), switches=switches,
             modes=self.held, first_modes=self._first_modes(), clocks=tuple(graph.clocks), instants=tuple(instants), impulses=(),
             period=graph.case(SPAN), velocity_scale=one, free_velocity=scales[0], scales=scales, cyclic=False, mass=one, shares=(),
-            offered=None, labels=2, sizes=self.sizes,
+            offered=None, labels=2, sizes=self.sizes, tolerant=bool(self.flow.inner),
         )  # fmt: skip
         return FlowSystem(eq, dict(graph.constants), self.flow.modes)
 

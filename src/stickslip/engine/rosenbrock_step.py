@@ -91,6 +91,9 @@ class _StepWriter(EventWriter):
         self.guard_rate = [self.w.value(e, start) for e in self.eq.guard_rates]
         self.scale_v = self.w.value(self.eq.velocity_scale, start)
         self.w.line("_acc", f"1.0 * {self.f[0]}")
+        if not self.eq.contacts:
+            self.w.line("_ratio", "1.0")
+            return
         first = self.eq.contacts[0]
         slip = self.w.value(first.slip, start)
         small = f"abs({slip}) < 1e-12 * {self.scale_v}"
@@ -326,6 +329,8 @@ class _StepWriter(EventWriter):
 
     def _parts(self) -> list[list[int]]:
         """The states of each coordinate: its velocity, its position, and the inner states of the contacts that brake it first."""
+        if not self.eq.coordinates:
+            return [list(range(self.active))]
         parts = [[j] for j in range(self.eq.coordinates)]
         for contact in self.eq.contacts:
             parts[next(j for j, g in enumerate(contact.direction) if g)].extend(contact.inner)
@@ -345,7 +350,7 @@ class _StepWriter(EventWriter):
         w.line("_lf", f"_lf if _lf > {literal(_log2(k.shrink))} else {literal(_log2(k.shrink))}")
         w.line("_hn", "_hh * as_float(np.int64((_lf + 1022.957) * 4503599627370496.0))")
         w.line("_hn", "(_h if _h > _hn else _hn) if (_hh < _h and _ok) else _hn")  # a clipped step must not shrink the wish
-        most = k.watchful if self.eq.contacts[0].balances else k.longest
+        most = k.watchful if any(c.balances for c in self.eq.contacts[:1]) else k.longest
         longest = w.line(w.fresh(), f"{literal(most)} * {w.value(self.eq.period, self.start)}")
         w.line("_hn", f"_hn if _hn < {longest} else {longest}")
         w.line("_h", "_hn if _acc1 else (_cut * _hh if _evB else (_hn if not _ok else _h))")
@@ -358,12 +363,13 @@ class _StepWriter(EventWriter):
         """New state of the lane."""
         w = self.w
         integral = horner([f"{literal(1 / (m + 1))} * _k0_{m}" for m in range(self.degree + 1)], "_part")
-        offset = w.value(self.eq.offset, self.start)
+        offset = w.value(self.eq.offset, self.start) if self.eq.coordinates else "0.0"
         integral = integral if offset == "0.0" else f"(({integral}) + {offset})"
         w.line("_t0", "1.0 * _t")
         if self.record:
             kept = [(f"held{i}", f"_{s.name}") for i, s in enumerate(self.eq.modes)]
-            held = [(name, self._side(c)) for name, c in zip(sides(self.eq), self.eq.contacts, strict=True)]
+            own = [self._side(c) for c in self.eq.contacts] or [f"_{s.name}" for s in self.eq.modes[: self.eq.labels]]
+            held = list(zip(sides(self.eq), own, strict=True))
             for name, value in (("x0", "_x"), *held, *kept):
                 w.line(f"_{name}", f"1.0 * {value}")
         for i in range(self.n):
@@ -373,7 +379,8 @@ class _StepWriter(EventWriter):
         for k, i in self.slips.items():
             fired = "_which < 0.5" if k == 0 else f"_which == {k}.0"
             w.line(f"_y{i}", f"0.0 if (_evA and {fired}) else _y{i}")
-        w.line("_x", f"fma(_hh * _part, {integral}, _x) if _acc1 else _x" if self.eq.cyclic else f"1.0 * _y{self.eq.positions.start}")
+        way = f"fma(_hh * _part, {integral}, _x) if _acc1 else _x" if self.eq.cyclic else f"1.0 * _y{self.eq.positions.start}"
+        w.line("_x", way if self.eq.cyclic or self.eq.coordinates else "1.0 * _x")
         w.line("_fin", "_acc1 and _last and not _evA")
         w.line("_t", "_tend if _fin else (fma(_part, _hh, _t) if _acc1 else _t)")
         w.line("_code", "0.0")

@@ -126,6 +126,7 @@ class System:
     sampling: tuple[Sym, ...] = ()  # time between samples, which are at its multiples; of a tangent the change of that too
     sampled: dict[int, Sym] = field(default_factory=dict)  # new states at a sample, by number of the state
     sizes: tuple[Sym, ...] = ()  # of the states where a step begins, if no machine says how large they are; a step is as exact as these
+    tolerant: bool = False  # without contacts of its own it goes by Rosenbrock steps, which are held to a tolerance
 
     @property
     def dynamic(self) -> bool:
@@ -135,7 +136,7 @@ class System:
     @property
     def stiff(self) -> bool:
         """Whether some laws have a rate and a force, so that it is solved to a tolerance; others may rest exactly."""
-        return any(contact.branches is None for contact in self.contacts)
+        return self.tolerant or any(contact.branches is None for contact in self.contacts)
 
     @property
     def sides(self) -> int:

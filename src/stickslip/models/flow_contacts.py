@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.contracts import Array
-from stickslip.basics.errors import Problems, SolveError
+from stickslip.basics.errors import InputError, Problems, SolveError
 from stickslip.basics.fields import checked_number
 from stickslip.basics.forward_ad import Nested, without_slopes
 from stickslip.basics.frozen_arrays import sealed
@@ -30,7 +30,6 @@ NOT_LINEAR = (  #: to be formatted with the name of a contact
     "is not linear in the friction force R.{0}, so that no force which holds the contact follows; allowed are rates such as (F - R.{0})/m, "
     "with factors and conditions that do not depend on friction"
 )
-_OF_PARTS = "for this one write a Machine of bodies and contacts instead of a flow, which takes every law"
 _LOAD = "a number, or a function of (t, y) that returns it"
 
 
@@ -43,8 +42,8 @@ class FlowContact:
     slip : callable
         Slip velocity as a function of (t, y), or of (t, y, n) in a flow with numbers; positive forwards.
     friction : law or callable
-        Any friction law but those that remember whole numbers or ask for the applied force; or a function of the flow's numbers n that
-        returns it, such as ``lambda n: ss.Coulomb(mu_plus=n.mu, mu_minus=n.mu)``.
+        Any friction law that compiles, or a function of the flow's numbers n that returns it, such as
+        ``lambda n: ss.Coulomb(mu_plus=n.mu, mu_minus=n.mu)``.
     load : float or callable
         Normal force: a number, or a function of the same arguments as `slip`. A run ends where it falls to zero.
 
@@ -74,14 +73,9 @@ class FlowContact:
     def law(self, *n: Any) -> LawAdapter:
         """The law, to be asked in one way; of a flow with numbers from these."""
         law = adapted(self.friction if is_law(self.friction) else self.friction(*n))
-        problems = Problems("FlowContact")
-        if law.modes:
-            mistake = f"friction = {law.name} remembers whole numbers, which no flow has"
-            problems.add(f"{mistake}; allowed are laws without them, such as LuGre; {_OF_PARTS}")
-        if law.needs_applied:
-            mistake = f"friction = {law.name} asks for the force that would hold it"
-            problems.add(f"{mistake}; allowed are laws of the velocity and the load; {_OF_PARTS}")
-        problems.check()
+        if not law.compiles:
+            mistake = f"friction = {law.name} is random or solved in plain Python alone; allowed are laws that compile, such as GMS"
+            raise InputError("FlowContact", [f"{mistake}; for this one write a Machine of bodies and contacts instead of a flow"])
         return law
 
     def normal(self, t: Any, y: Any, *n: Any) -> Any:
@@ -119,9 +113,16 @@ def inner_names(contacts: Mapping[str, FlowContact], *n: Any) -> tuple[str, ...]
     """Names of the states that the laws of the contacts add to those of the field."""
     names: list[str] = []
     for name, contact in contacts.items():
-        count = contact.law(*n).states
-        names += [f"z_{name}"] if count == 1 else [f"z_{name}_{k}" for k in range(count)]
+        law = contact.law(*n)
+        for letter, count in (("z", law.states), ("memory", law.modes)):
+            names += [f"{letter}_{name}"] if count == 1 else [f"{letter}_{name}_{k}" for k in range(count)]
     return tuple(names)
+
+
+def memories_of(contacts: Mapping[str, FlowContact], *n: Any) -> Array:
+    """Which of these states are whole numbers that a law remembers: nothing moves them but its switches."""
+    laws = [contact.law(*n) for contact in contacts.values()]
+    return np.array([remembered for law in laws for remembered in [False] * law.states + [True] * law.modes], bool)
 
 
 def inner_scales(contacts: Mapping[str, FlowContact], y: Sequence[float], *n: Any) -> tuple[float, ...]:
@@ -131,6 +132,7 @@ def inner_scales(contacts: Mapping[str, FlowContact], y: Sequence[float], *n: An
         law = contact.law(*n)
         own = law.scale(contact.normal(0.0, list(y), *n)) if law.states else ()
         sizes += [1.0] * law.states if own is None else [float(size) or 1.0 for size in own]
+        sizes += [1.0] * law.modes
     return tuple(sizes)
 
 
@@ -226,7 +228,7 @@ class ContactForces:
         self.fields, self.contacts = flow.fields, flow.contacts
         self.laws = {name: contact.law() for name, contact in self.contacts.items()}
         self.resting = tuple(name for name, law in self.laws.items() if not law.dynamic)
-        self.inner = sum(law.states for law in self.laws.values())
+        self.inner = sum(law.states + law.modes for law in self.laws.values())
 
     # ---- what the user's functions give ----
     def own(self, y: Sequence[Any]) -> Sequence[Any]:
@@ -244,17 +246,24 @@ class ContactForces:
     def _field(self, mode: Any, t: Any, y: Sequence[Any], R: Mapping[str, Any]) -> list[Any]:
         return [_one(rate) for rate in self.fields[mode](t, self.own(y), SimpleNamespace(**R))]
 
-    def _inner(self, t: Any, y: Sequence[Any]) -> tuple[dict[str, Any], list[Any]]:
-        """Forces of the laws with inner states, and the rates of these."""
+    def _inner(self, mode: Any, t: Any, y: Sequence[Any]) -> tuple[dict[str, Any], list[Any]]:
+        """Forces of the laws with a rate and a force, and the rates of their states; memories have none."""
         forces, rates = {}, []
         slips, loads, at = self.slips(t, y), self.loads(t, y), len(y) - self.inner
         for name, law in self.laws.items():
             if law.dynamic:
-                z = tuple(y[at : at + law.states])
-                forces[name], own = law.response(slips[name], z, loads[name])
-                rates += own
-                at += law.states
+                z, held = tuple(y[at : at + law.states]), tuple(y[at + law.states : at + law.states + law.modes])
+                applied = self._applied(mode, name, t, y) if law.needs_applied else 0.0
+                forces[name], own = law.response(slips[name], z, loads[name], held, applied)
+                rates += [*own, *(0.0 * each for each in held)]
+                at += law.states + law.modes
         return forces, rates
+
+    def _applied(self, mode: Any, name: str, t: Any, y: Sequence[Any]) -> Any:
+        """The force that would keep the slip of a contact as it is, where nothing else rubs on it."""
+        R = {k: Nested(0.0, [0.0, 1.0 if k == name else 0.0]) for k in self.contacts}
+        slip = self._slips_along(mode, (name,), t, y, R, 1)[name]
+        return slip.slope(0) / (0.0 - slip.slope(1))
 
     # ---- forces ----
     def problem(
@@ -264,16 +273,19 @@ class ContactForces:
 
         Both are taken where all forces are `force`, which is the same for every force where the field is linear in them.
         """
-        names, inner = self.resting, self._inner(t, y)[0]
+        names, inner = self.resting, self._inner(mode, t, y)[0]
         R = {name: Nested(force, [0.0, *(1.0 if k == name else 0.0 for k in names)]) for name in names}
-        rates = [Nested.lifted(rate) for rate in self._field(mode, t, y, {**inner, **R})]
-        along = [
-            Nested(value, [rate.value, *(rate.slope(1 + k) for k in range(len(names)))]) for value, rate in zip(y, rates, strict=False)
-        ]
-        at = Nested(t, [1.0])
-        slips = {name: Nested.lifted(_one(self.contacts[name].slip(at, along))) for name in names}
+        slips = self._slips_along(mode, names, t, y, {**inner, **R}, len(names))
         G = {(i, k): 0.0 - slips[i].slope(1 + number) for i in names for number, k in enumerate(names)}
         return G, {name: slips[name].slope(0) for name in names}
+
+    def _slips_along(
+        self, mode: Any, names: Sequence[str], t: Any, y: Sequence[Any], R: Mapping[str, Any], count: int
+    ) -> dict[str, Any]:  # fmt: skip
+        """Slips along the motion under forces with slopes from 1 to `count`: their own rates, and those by each of these slopes."""
+        rates = [Nested.lifted(rate) for rate in self._field(mode, t, y, R)]
+        along = [Nested(value, [rate.value, *(rate.slope(1 + k) for k in range(count))]) for value, rate in zip(y, rates, strict=False)]
+        return {name: Nested.lifted(_one(self.contacts[name].slip(Nested(t, [1.0]), along))) for name in names}
 
     def sliding(self, name: str, side: int, slip: Any, load: Any) -> Any:
         """Friction force of a contact that slides to a side."""
@@ -282,7 +294,7 @@ class ContactForces:
 
     def forces(self, mode: Any, sides: Sequence[int], t: Any, y: Sequence[Any]) -> dict[str, Any]:
         """The friction force of each contact, positive against forward slip, in a mode of the field with these sides."""
-        inner, _ = self._inner(t, y)
+        inner, _ = self._inner(mode, t, y)
         slips, loads = self.slips(t, y), self.loads(t, y)
         R = {name: self.sliding(name, side, slips[name], loads[name]) for name, side in zip(self.resting, sides, strict=True) if side}
         rest = [name for name in self.resting if name not in R]
@@ -294,13 +306,13 @@ class ContactForces:
 
     def rates(self, mode: Any, sides: Sequence[int], t: Any, y: Sequence[Any]) -> list[Any]:
         """Rates of all states, those of the laws last."""
-        return [*self._field(mode, t, y, self.forces(mode, sides, t, y)), *self._inner(t, y)[1]]
+        return [*self._field(mode, t, y, self.forces(mode, sides, t, y)), *self._inner(mode, t, y)[1]]
 
     def stopped(self, mode: Any, name: str, t: Any, y: Sequence[Any]) -> list[Any]:
         """The state with the slip of a contact at zero, by an impulse of its friction."""
         G, _ = self.problem(mode, t, y)
         R = {k: Nested(0.0, [1.0 if k == name else 0.0]) for k in self.resting}
-        rates = [Nested.lifted(rate) for rate in self._field(mode, t, y, {**self._inner(t, y)[0], **R})]
+        rates = [Nested.lifted(rate) for rate in self._field(mode, t, y, {**self._inner(mode, t, y)[0], **R})]
         share = self.slips(t, y)[name] / G[name, name]
         own = [value + rate.slope(0) * share for value, rate in zip(self.own(y), rates, strict=True)]
         return [*own, *y[len(own) :]]

@@ -23,7 +23,15 @@ from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.basics.fields import checked_number, floats, is_array
 from stickslip.basics.maths import cos, pi
 from stickslip.models.cyclic_coordinates import CyclicCoordinates, checked_cyclic, lengths_of
-from stickslip.models.flow_contacts import FlowContact, check_contacts, inner_names, inner_scales, mode_labels, resting_contacts
+from stickslip.models.flow_contacts import (
+    FlowContact,
+    check_contacts,
+    inner_names,
+    inner_scales,
+    memories_of,
+    mode_labels,
+    resting_contacts,
+)
 
 Mode = Hashable
 
@@ -83,7 +91,8 @@ class SwitchingFlow:
         A typical size of each state, against which analyses measure distances; 1 each if not given.
     contacts : dict of FlowContact, optional
         Contacts that rub, by name. Rest, break-away and the direction of slip are then modes of the flow, which follow from the state;
-        inner states of their laws are further states, ``z_name``, behind those of the field.
+        inner states of their laws are further states, ``z_name``, behind those of the field, and so is what a law remembers,
+        ``memory_name``.
     cyclic : str, tuple of str, or dict, optional
         States that drift while the motion repeats: names of those on which no function of the flow depends, such as a displacement, or
         name -> length after which all of them repeat, such as ``{"angle": 2 * np.pi}`` (a number, or a function of the numbers; None
@@ -272,7 +281,12 @@ class SwitchingFlow:
         """The inner states of the contacts' laws where nothing has moved them, at a state of the field."""
         numbers = self.given_once
         laws = [(contact.law(*numbers), contact.normal(0.0, list(map(float, y)), *numbers)) for contact in self.contacts.values()]
-        return tuple(float(z) for law, load in laws if law.dynamic for z in law.start(load))
+        return tuple(float(z) for law, load in laws if law.dynamic for z in (*law.start(load), *(0.0,) * law.modes))
+
+    @cached_property
+    def memories(self) -> Array:
+        """Which of the inner states are whole numbers that a law remembers."""
+        return memories_of(self.contacts, *self.given_once)
 
     @property
     def sizes(self) -> tuple[float, ...]:

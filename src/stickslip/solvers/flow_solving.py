@@ -16,7 +16,7 @@ from stickslip.results.flow_drift import repeats_after
 from stickslip.results.flow_pieces import FlowPieces, extremes, polynomials
 from stickslip.results.flow_run import FlowRun
 from stickslip.results.summary import Summary
-from stickslip.solvers.flow_engine import follow_flow
+from stickslip.solvers.flow_engine import follow_flow, steps_of_flow
 from stickslip.solvers.settings import Request, versions
 from stickslip.solvers.stopped import FAILURES
 
@@ -29,7 +29,7 @@ def run(todo: Request) -> Any:
 def _run(todo: Request) -> FlowRun:
     flow, y, length = todo.model, todo.start[0], float(todo.lengths[0])
     done = follow_flow(flow, y, todo.modes[0], length, growth=False, partial=todo.partial, traced=todo.equations)
-    status = Status.FINISHED.sentence
+    status, (method, tolerance) = Status.FINISHED.sentence, steps_of_flow(flow)
     if is_stopped() and done.time < length:
         status = interrupted_at(done.time)
     return FlowRun(
@@ -37,8 +37,8 @@ def _run(todo: Request) -> FlowRun:
         pieces=FlowPieces(done.nodes, done.modes, done.coefficients, done.passed, done.events, done.state, done.mode),
         periods=None if todo.duration is not None else todo.periods,
         settle=todo.settle,
-        rtol=todo.rtol,
-        method="exact",
+        rtol=tolerance,
+        method=method,
         status=status,
         samples=todo.samples,
         start=todo.given_start,
@@ -63,7 +63,11 @@ def _summary(todo: Request) -> Summary:
     lacking = dict.fromkeys(rows[0], np.nan) | {n: -1 for n in ("end_mode", "switches") if n in rows[0]}
     rows += [lacking | {"status": Status.NOT_COMPUTED} for _ in range(todo.cases - len(rows))]
     columns = {name: np.array([row[name] for row in rows]).reshape(todo.labels.shape) for name in rows[0]}
-    settings = {"periods": None if todo.duration is not None else todo.periods, "settle": todo.settle, "method": "exact"}
+    settings = {
+        "periods": None if todo.duration is not None else todo.periods,
+        "settle": todo.settle,
+        "method": steps_of_flow(todo.model)[0],
+    }
     return Summary(todo.model, todo.labels, columns, {"settings": settings}, failures)
 
 

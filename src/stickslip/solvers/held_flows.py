@@ -20,7 +20,6 @@ from stickslip.solvers.flow_requests import flow_request
 from stickslip.solvers.held_cases import Standing, kernel_name, times_of
 from stickslip.solvers.settings import Settings
 
-_RTOL = 1e-9  # no step of a flow depends on it
 _NOBODY = np.zeros(0, bool)
 _ENDLESS = 1e9  # switches
 
@@ -39,16 +38,16 @@ class FlowCase:
     """
 
     period = None  # the time of a flow goes on
-    method = "exact"
     is_pushed = False
     unit: float | None
 
     def __init__(self, flow: SwitchingFlow, start: Any, method: str, mode: Any = None):
         if shape := labels_of(flow).shape:
             raise InputError("simulation", [f"the flow is a batch of shape {shape}; allowed is one case; type ss.solve(flow) for a batch"])
-        self.asked = {"start": start, "rtol": _RTOL, "method": method, "mode": mode}
+        self.asked = {"start": start, "rtol": flow_engine.TOLERANCE, "method": method, "mode": mode}
         options = {} if mode is None else {"mode": mode}
         asked = flow_request(flow, Settings(start=start, keep="trajectory", samples=4, method=method, duration=1.0, options=options))
+        self.method, _ = flow_engine.steps_of_flow(flow)
         self.model, self._labels, self.unit = flow, list(flow.modes), None if flow.period is None else float(flow.period)
         self._y, self._mode, self._n = asked.start, asked.modes[0], asked.start.shape[1]
         self._equations, self.kernel, self._names = flow_engine.flow_kernel(asked.equations, record=True)
@@ -94,7 +93,7 @@ class FlowCase:
         start = np.concatenate(
             [[0.0], self._y[0], np.zeros(self.kernel.states - self._n), [flow_engine.number_of_mode(self.model, self._mode)]]
         )
-        return HeldLane(self.kernel, self.row(span), start, _RTOL)
+        return HeldLane(self.kernel, self.row(span), start, flow_engine.TOLERANCE)
 
     def row(self, span: float) -> Array:
         """The numbers in the kernel's order."""
@@ -152,6 +151,7 @@ class FlowCase:
 
     def run(self, rows: Array, more: dict[str, Any]) -> FlowRun:
         """Some steps as a run."""
+        method, tolerance = flow_engine.steps_of_flow(self.model)
         n, long, switches = self._n, rows[rows[:, 2] > rows[:, 1]], np.flatnonzero(np.diff(rows[:, 5]) > 0)
         c = rows[:, flow_engine.FIRST :].reshape(len(rows), self.kernel.states, -1)[:, :n]
         modes = [self._labels[round(float(number)) - 1] for number in rows[:, 4]]
@@ -159,7 +159,7 @@ class FlowCase:
         nodes = np.concatenate([long[:1, 1], long[:, 2]])
         passed, own = c[rows[:, 2] <= rows[:, 1], :, 0], c[rows[:, 2] > rows[:, 1]]
         pieces = FlowPieces(nodes, np.round(long[:, 4]).astype(int) - 1, own, passed, events, own[-1].sum(axis=-1), modes[-1])
-        return FlowRun(self.model, pieces, None, 0, _RTOL, "exact", **more)
+        return FlowRun(self.model, pieces, None, 0, tolerance, method, **more)
 
     def budget(self, duration: float) -> float:
         """As many as in one run."""

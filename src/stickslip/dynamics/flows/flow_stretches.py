@@ -19,7 +19,7 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.models.switching_flow import SwitchingFlow, is_flow, knows_mode, unknown_mode
 from stickslip.results.flow_pieces import extremes
 from stickslip.solvers.flow_engine import check_flow, follow_flow, unknown
-from stickslip.solvers.plain.composed_flows import composed, mode_of_state
+from stickslip.solvers.plain.composed_flows import check_judged, composed, mode_of_state
 from stickslip.solvers.plain.judged_flows import passage_by_scipy
 
 METHODS = ("auto", "exact", "dop853")
@@ -83,7 +83,7 @@ def passage(
     begin : float
         Initial time.
     rtol : float
-        Tolerance of SciPy's integrator; the engine's steps have none, they are exact to rounding.
+        Tolerance of SciPy's integrator; the engine's steps are exact to rounding, or hold 1e-9 under laws with inner states.
     switches : int, optional
         Number of switches after which it ends.
     method : {"auto", "exact", "dop853"}
@@ -114,6 +114,7 @@ def passage(
     if method == "exact" and why:
         raise InputError("passage", [f'method = "exact" cannot follow the flow: {why}; type method="auto"'])
     if method == "dop853" or why:
+        check_judged(flow)
         plain, mode = composed(flow), mode_of_state(flow, y, float(begin), mode)
         end, last, t, events, M, rank_deficient, low, high = passage_by_scipy(plain, y, mode, float(duration), float(begin), rtol, switches)
         return Passage(end, last, t, events, M, rank_deficient, low, high, "dop853", why)

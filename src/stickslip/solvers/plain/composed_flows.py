@@ -37,6 +37,15 @@ def composed(flow: SwitchingFlow) -> SwitchingFlow:
     return _Composition(plain).flow if flow.contacts else plain
 
 
+def check_judged(flow: SwitchingFlow) -> None:
+    """`InputError` for a flow that the judge cannot follow: its modes do not say what laws remember."""
+    names = [name for name, contact in flow.contacts.items() if contact.law(*flow.given_once).modes]
+    if names:
+        mistake = f"the law of contact {names[0]!r} remembers whole numbers, which SciPy's integrator does not follow in a flow"
+        other = 'compare it with ss.solve(machine, method="radau") of a Machine of bodies and contacts'
+        raise InputError("SwitchingFlow", [f"{mistake}; allowed are other laws, such as LuGre; {other}"])
+
+
 def mode_of_state(flow: SwitchingFlow, y: Array, t: float = 0.0, mode: Any = None) -> Any:
     """The mode of a flow of single numbers at a state: in a mode of its fields, the first if not given, contacts do what the state says.
 
