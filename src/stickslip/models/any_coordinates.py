@@ -9,7 +9,6 @@ All of it takes floats, arrays of cases or symbols: derivatives are carried thro
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -23,33 +22,14 @@ from stickslip.models.friction.law_adapter import LawAdapter, adapted
 from stickslip.models.linear_equations import product, solved, total
 from stickslip.models.mechanics import SOME, Mechanics, Numbers
 from stickslip.models.placed_contacts import PlacedContact
+from stickslip.models.placed_links import PlacedLink, links_of, shares
 from stickslip.models.rails import pressed_while_sliding
+from stickslip.models.said_of_motion import Energies, inertia_of_machine, kinetic_of_machine, moving, places_of_machine
 
 GRAVITY = 9.81  # of a machine that does not say its own [m/s^2]
 _LOOKS = 8  # instants of a period at which applied forces are looked at for their size
 _LEAST = 1e-3  # of the velocity that a force as large as the load, or gravity, gives
 Parts = tuple[Any, ...]
-
-
-def places_of_machine(model: Any, t: Any, q: Mapping[str, Any]) -> Any:
-    """Where the bodies of a machine are; None where it does not say."""
-    return _said(model, "places", t, q)
-
-
-def inertia_of_machine(model: Any, q: Mapping[str, Any]) -> Any:
-    """The matrix of inertia that a machine says; None where it does not."""
-    return _said(model, "inertia", q)
-
-
-def kinetic_of_machine(model: Any, q: Mapping[str, Any], u: Mapping[str, Any]) -> Any:
-    """The kinetic energy that a machine says; None where it does not."""
-    return _said(model, "kinetic", q, u)
-
-
-def _said(model: Any, name: str, *arguments: Any) -> Any:
-    """What a method of a machine gives; a field of that name is none."""
-    method = getattr(model, name, None)
-    return method(*arguments) if callable(method) else None
 
 
 class AnyCoordinates(Mechanics):
@@ -82,9 +62,17 @@ class AnyCoordinates(Mechanics):
         self.model, self.placed = model, dict(model.bodies())
         self.bodies = tuple(model.coordinates)
         self.controllers = Controllers(model.controllers())
-        self.joints, self.links = dict(model.contacts()), dict(model.links())
+        self.joints = dict(model.contacts())
         self.contacts = tuple(self.joints)
-        self.elastic = list(self.links.items())
+        declared = list(links_of(model))
+        self.pulls = [(ends, pull) for ends, _, pull in declared if self._joins_coordinates(ends)]
+        self.elastic = [(ends, part) for ends, part, _ in declared if self._joins_coordinates(ends)]
+        self.placed_links = [PlacedLink(ends, pull) for ends, _, pull in declared if not self._joins_coordinates(ends)]
+        self._instants = [s for _, part, _ in declared for s in (*(getattr(part, "breaks", None) or ()), *getattr(part, "instants", ()))]
+
+    def _joins_coordinates(self, ends: Any) -> bool:
+        """Whether a link ends at coordinates, and not at bodies."""
+        return ends[0] in self.bodies and (ends[1] is None or ends[1] in self.bodies)
 
     # ---- what there is ----
     @property
@@ -122,7 +110,7 @@ class AnyCoordinates(Mechanics):
     def breaks(self) -> Parts:
         """Those of the machine and of what contacts rub on [s]."""
         motions = [s for contact in self.joints.values() for s in getattr(contact.on, "breaks", None) or ()]
-        return (*motions, *(getattr(self.model, "breaks", None) or ()))
+        return (*motions, *self._instants, *(getattr(self.model, "breaks", None) or ()))
 
     @property
     def time_scale(self) -> Any:
@@ -209,7 +197,7 @@ class AnyCoordinates(Mechanics):
     def along(self, t: Any, q: Numbers) -> dict[str, tuple[Moving, ...]]:
         """Places of the bodies at an instant and coordinates that move: a number, (x, z) or (x, z, angle) of each, with two rates."""
         given = places_of_machine(self.model, t, dict(zip(self.bodies, q, strict=True)))
-        return {name: tuple(map(_moving, given[name] if isinstance(given[name], tuple) else (given[name],))) for name in self.placed}
+        return {name: tuple(map(moving, given[name] if isinstance(given[name], tuple) else (given[name],))) for name in self.placed}
 
     @cached_property
     def by_energy(self) -> bool:
@@ -271,9 +259,9 @@ class AnyCoordinates(Mechanics):
         controlled = self.controllers.forces(t, x, v, self.controllers.start(t, x, v) if z is None else z)
         for name, force in (*dict(self.model.forces(t, dict(x), dict(v))).items(), *controlled):
             forces[name] = forces[name] + force
-        for (first, second), link in self.links.items():
+        for (first, second), tension in self.pulls:
             other = (0.0, 0.0) if second is None else (x[second], v[second])
-            pull = link.force(x[first] - other[0], v[first] - other[1])
+            pull = tension(t, x[first] - other[0], v[first] - other[1])
             forces[first] = forces[first] - pull
             if second is not None:
                 forces[second] = forces[second] + pull
@@ -281,26 +269,28 @@ class AnyCoordinates(Mechanics):
         if self.by_energy:
             return [a - b for a, b in zip(h, self._energies.gyroscopic(q, u), strict=True)]
         slopes, moved = self.slopes(t, q), self.moved(t, q, u)
+        pulled = shares(self.placed_links, t, moved)
         for name in self.placed:
-            net = self.net(name, t, moved[name])
+            net = self.net(name, t, moved[name], pulled)
             for j in range(len(h)):
                 h[j] = total([h[j], *map(product, slopes[j][name], net)])
         return h
 
-    def net(self, name: str, t: Numeric, place: tuple[Moving, ...]) -> Parts:
+    def net(self, name: str, t: Numeric, place: tuple[Moving, ...], pulled: dict[str, Parts]) -> Parts:
         """Applied forces on a body, less mass times the accelerations that it has while the coordinates' rates stay as they are."""
-        forces = self.forces_on(name, t, place)
+        forces = self.forces_on(name, t, place, pulled)
         resisting = (product(m, part.second) for m, part in zip(self.inertias(name), place, strict=False))
         return tuple(total([force, product(-1.0, inertia)]) for force, inertia in zip(forces, resisting, strict=True))
 
-    def forces_on(self, name: str, t: Numeric, place: tuple[Moving, ...]) -> Parts:
-        """Force of the body itself, and its weight, in each part of its place [N] or [N m]."""
+    def forces_on(self, name: str, t: Numeric, place: tuple[Moving, ...], pulled: dict[str, Parts]) -> Parts:
+        """Force of the body itself, its weight, and what links do to it, in each part of its place [N] or [N m]."""
         body = self.placed[name]
         x, v = (tuple(getattr(part, what) for part in place) for what in ("value", "rate"))
         given = body.applied(t, x[0] if len(x) == 1 else x, v[0] if len(v) == 1 else v)
         own = given if isinstance(given, tuple) else (given,)
         weight = (0.0,) * len(place) if len(place) == 1 else (0.0, product(-1.0, product(body.mass, self.gravity)), 0.0)
-        return tuple(total([force, w]) for force, w in zip((*own, *(0.0 for _ in range(len(place) - len(own)))), weight, strict=False))
+        links = pulled.get(name, (0.0,) * 3)
+        return tuple(map(total, zip((*own, *(0.0 for _ in range(len(place) - len(own)))), weight, links, strict=False)))
 
     def accelerations(self, t: Numeric, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> Parts:
         """Second derivatives of the coordinates under the friction forces."""
@@ -350,59 +340,3 @@ class _Inertia(NamedTuple):
 
     mass: Any
     position: Any = 0.0
-
-
-class Energies:
-    """The matrix of inertia of a machine that says it, or its kinetic energy, and what Lagrange's equations make of it."""
-
-    def __init__(self, model: Any, names: tuple[str, ...]):
-        self.model, self.names = model, names
-        self._direct = inertia_of_machine(model, dict.fromkeys(names, 0.0)) is not None
-
-    def _of(self, q: Numbers, u: Numbers) -> Moving:
-        """Kinetic energy."""
-        named = (dict(zip(self.names, of, strict=True)) for of in (q, u))
-        return _moving(kinetic_of_machine(self.model, *named))
-
-    def _entries(self, q: Numbers) -> list[list[Moving]]:
-        given = inertia_of_machine(self.model, dict(zip(self.names, q, strict=True)))
-        return [[_moving(entry) for entry in row] for row in given]
-
-    def matrix(self, q: Numbers) -> tuple[Parts, ...]:
-        """The matrix; of a kinetic energy its second derivatives by the rates."""
-        if self._direct:
-            return tuple(tuple(entry.value for entry in row) for row in self._entries(q))
-        n = len(q)
-
-        def second(*along: int) -> Any:
-            return self._of(q, [Moving(0.0, 1.0 if k in along else 0.0) for k in range(n)]).second
-
-        own = [second(j) for j in range(n)]
-        both = {(i, j): 0.5 * (second(i, j) - own[i] - own[j]) for i in range(n) for j in range(i + 1, n)}
-        return tuple(tuple(own[i] if i == j else both[min(i, j), max(i, j)] for j in range(n)) for i in range(n))
-
-    def gyroscopic(self, q: Numbers, u: Numbers) -> Parts:
-        """d/dt(dT/du) - dT/dq while the rates stay as they are."""
-        n = len(q)
-        half = []
-        for j in range(n):
-            if self._direct:
-                slope = self._entries([Moving(x, 1.0 if k == j else 0.0) for k, x in enumerate(q)])
-                half.append(product(0.5, total(product(slope[i][k].rate, product(u[i], u[k])) for i in range(n) for k in range(n))))
-            else:
-                half.append(self._of([Moving(x, 1.0 if k == j else 0.0) for k, x in enumerate(q)], u).rate)
-        return tuple(total([a, product(-1.0, b)]) for a, b in zip(self.rate(q, u), half, strict=True))
-
-    def rate(self, q: Numbers, u: Numbers) -> Parts:
-        """dM/dt u."""
-        n, path = len(q), [Moving(x, v) for x, v in zip(q, u, strict=True)]
-        if self._direct:
-            M = self._entries(path)
-            return tuple(total(product(M[j][k].rate, u[k]) for k in range(n)) for j in range(n))
-        base, own = self._of(path, u).second, self.matrix(q)
-        seconds = (self._of(path, [Moving(v, 1.0 if k == j else 0.0) for k, v in enumerate(u)]).second for j in range(n))
-        return tuple(0.5 * (second - base - own[j][j]) for j, second in enumerate(seconds))
-
-
-def _moving(value: Any) -> Moving:
-    return value if isinstance(value, Moving) else Moving(value)

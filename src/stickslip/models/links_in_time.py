@@ -93,3 +93,8 @@ def pull_of(link: Any) -> Pull:
     """The tension of a link by time, distance and rate, whether it sees time or not."""
     force = link.force
     return force if sees_time(link) else lambda t, distance, rate: force(distance, rate)
+
+
+def several(parts: Any) -> tuple[Any, ...]:
+    """Links or stops between two bodies: one or more."""
+    return parts if isinstance(parts, tuple) and not isinstance(parts, Frozen) else (parts,)

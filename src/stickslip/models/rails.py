@@ -18,6 +18,7 @@ from stickslip.basics.maths import where
 from stickslip.models.friction.law_adapter import TINY
 from stickslip.models.linear_equations import product, total
 from stickslip.models.mechanics import Numbers
+from stickslip.models.placed_links import shares
 
 
 def borne(mechanics: Any, i: int) -> tuple[str, ...]:
@@ -41,9 +42,9 @@ def loose(mechanics: Any) -> list[str]:
 def reaction(mechanics: Any, i: int, t: Numeric, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> Any:
     """The force of a rail along its normal, under given friction forces [N]."""
     normal, slopes, moved = mechanics.touching[i].normal_at(q), mechanics.slopes(t, q), mechanics.moved(t, q, u)
-    a, terms = mechanics.accelerations(t, q, u, R, z), []
+    a, terms, pulled = mechanics.accelerations(t, q, u, R, z), [], shares(mechanics.placed_links, t, moved)
     for name in borne(mechanics, i):
-        forces = mechanics.forces_on(name, t, moved[name])
+        forces = mechanics.forces_on(name, t, moved[name], pulled)
         for part, along in enumerate(normal[: len(moved[name])]):
             gained = total([moved[name][part].second, *(product(slope[name][part], of) for slope, of in zip(slopes, a, strict=True))])
             force = total([product(mechanics.placed[name].mass, gained), product(-1.0, forces[part])])

@@ -10,12 +10,11 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.contracts import Array, Numeric
-from stickslip.basics.fields import Frozen
 from stickslip.basics.maths import maximum, minimum, pi, sqrt
 from stickslip.models.controllers import Controllers
 from stickslip.models.friction.law_adapter import LawAdapter, adapted
 from stickslip.models.instant_forces import InstantForces, arguments_of_load, parts_of_forces, pressing
-from stickslip.models.links_in_time import pull_of, sees_time
+from stickslip.models.links_in_time import pull_of, sees_time, several
 from stickslip.models.mechanics import SOME, Mechanics, Numbers, signed_less
 from stickslip.models.powers import names_of_links, powers
 
@@ -417,11 +416,6 @@ def _distance(ends: tuple[str, str | None], values: dict[str, Any]) -> Any:
 
 def _is_elastic(link: Any) -> bool:
     return callable(getattr(link, "force", None))
-
-
-def several(parts: Any) -> tuple[Any, ...]:
-    """Links or stops between two bodies: one or more."""
-    return parts if isinstance(parts, tuple) and not isinstance(parts, Frozen) else (parts,)
 
 
 def along(contact: Any, x: dict[str, Any]) -> Any:

@@ -264,8 +264,8 @@ RAIL = lambda self: {"rail": ss.Contact("cart", self.friction, load=1.0)}  # noq
         ({"contacts": lambda self: {"rail": ss.Contact("cart", self.friction)}}, "type load=1.0"),
         ({"contacts": lambda self: {"rail": ss.Contact("bob", self.friction, load=1.0)}}, "varies with the place, which is not there yet"),
         ({"contacts": lambda self: {"rail": ss.Contact("cart", self.friction, load=1.0, hold="push")}}, "contacts that lift off"),
-        ({"stops": lambda self: {("x", None): ss.Stop(gap=0.1, restitution=0.5)}}, "stops() of a machine with coordinates"),
-        ({"links": lambda self: {("bob", None): ss.Spring(3.0)}}, "'bob' is not a coordinate, which links join"),
+        ({"stops": lambda self: {("x", None): ss.Stop(gap=0.1, restitution=0.5)}}, "stops with restitution are not there yet"),
+        ({"links": lambda self: {("bob", None): ss.Spring(3.0)}}, "type ss.Point(None, at=(0.0, 0.0))"),
         ({"principal": "bob"}, "principal = 'bob'"),
     ],
 )  # fmt: skip

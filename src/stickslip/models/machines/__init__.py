@@ -9,6 +9,7 @@ from stickslip.basics.contracts import OneContact
 from stickslip.basics.lazy_names import listing
 from stickslip.models.flow_contacts import FlowContact
 from stickslip.models.force_rig import ForceRig
+from stickslip.models.link_ends import Angle, Point
 from stickslip.models.machines.block_on_belt import BlockOnBelt
 from stickslip.models.machines.bodies import Bodies
 from stickslip.models.machines.chain import Chain
@@ -24,8 +25,9 @@ from stickslip.models.machines.pulled_mass import PulledMass
 from stickslip.models.machines.servo_load import ServoLoad
 
 __all__ = [
-    "MECHANISMS", "PID", "BlockOnBelt", "Bodies", "Body", "Chain", "Contact", "FlowContact", "ForceRig", "Forced", "ForcedOscillator",
-    "Gait", "Joint", "Link", "Machine", "Motor", "MovingTrack", "PulledMass", "Rigid", "ServoLoad", "Spring", "Stop",
+    "MECHANISMS", "PID", "Angle", "BlockOnBelt", "Bodies", "Body", "Chain", "Contact", "FlowContact", "ForceRig", "Forced",
+    "ForcedOscillator", "Gait", "Joint", "Link", "Machine", "Motor", "MovingTrack", "Point", "PulledMass", "Rigid", "ServoLoad", "Spring",
+    "Stop",
 ]  # fmt: skip
 __dir__ = listing(__all__)
 

@@ -9,12 +9,14 @@ from typing import Any
 from stickslip.basics.errors import Problems, did_you_mean
 from stickslip.basics.fields import checked_number, everywhere
 from stickslip.basics.time_rates import Moving
-from stickslip.models.any_coordinates import AnyCoordinates, inertia_of_machine, kinetic_of_machine, places_of_machine
+from stickslip.models.any_coordinates import AnyCoordinates
 from stickslip.models.forces import check_law
 from stickslip.models.friction.law_adapter import TINY, is_affine
+from stickslip.models.machines.link_checks import check_links, check_placed_links
 from stickslip.models.machines.parts import Body, Contact
 from stickslip.models.placed_contacts import PlacedContact
 from stickslip.models.rails import loose
+from stickslip.models.said_of_motion import inertia_of_machine, kinetic_of_machine, places_of_machine
 
 _SAME = 1e-9  # of its size: how much a row may differ from place to place
 _FLAT = 1e-12  # of the product of a matrix's diagonal: a determinant that is zero
@@ -28,18 +30,14 @@ def check_coordinates(machine: Any, problems: Problems) -> None:
     if not isinstance(names, tuple) or not names or not all(isinstance(name, str) for name in names) or len(set(names)) < len(names):
         problems.add(f'coordinates = {names!r}; allowed is a tuple of different names; type coordinates = ("x", "angle")')
         return
-    for what in ("stops", "controllers"):
-        if getattr(machine, what)():
-            problems.add(
-                f"{what}() of a machine with coordinates of its own are not there yet; allowed are bodies on a line; leave them out"
-            )
+    if machine.controllers():
+        problems.add(
+            "controllers() of a machine with coordinates of its own are not there yet; allowed are bodies on a line; leave them out"
+        )
     for name, body in machine.bodies().items():
         if not isinstance(body, Body):
             problems.add(f"bodies()[{name!r}] = {body!r}; allowed is a Body; type {name!r}: ss.Body(mass=0.07)")
-    for ends in machine.links():
-        for end in ends if isinstance(ends, tuple) and len(ends) == 2 else (ends,):
-            if end is not None and end not in names:
-                problems.add(f"links()[{ends!r}]: {end!r} is not a coordinate, which links join; {did_you_mean(str(end), names)}")
+    check_links(machine, problems)
     if machine.principal is not None and machine.principal not in names:
         problems.add(f"principal = {machine.principal!r}; allowed is None or a coordinate; {did_you_mean(str(machine.principal), names)}")
     if not problems.mistakes:
@@ -137,6 +135,7 @@ def _check_numbers(m: AnyCoordinates, problems: Problems) -> None:
                 "type a force that moves the body, in forces(t, q, u)"
             )
             return
+    check_placed_links(m, problems)
     for name in _lost(m, states):
         problems.add(
             f"nothing moves with the coordinate {name!r} alone: the matrix of inertia has no inverse; allowed are coordinates that each "

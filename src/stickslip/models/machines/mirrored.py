@@ -12,14 +12,15 @@ from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import Frozen
 from stickslip.basics.of_own import OfOwn
-from stickslip.models.any_coordinates import inertia_of_machine, kinetic_of_machine, places_of_machine
 from stickslip.models.drives.turned import Reversed
 from stickslip.models.friction.law_adapter import mirrored_law as mirrored_law
 from stickslip.models.instant_forces import InstantForces, arguments_of_load, pressing
-from stickslip.models.links_in_time import sees_time
+from stickslip.models.link_ends import Point
+from stickslip.models.links_in_time import sees_time, several
 from stickslip.models.machines.machine import Machine
 from stickslip.models.machines.parts import Body, Contact
-from stickslip.models.several_bodies import along, several
+from stickslip.models.said_of_motion import inertia_of_machine, kinetic_of_machine, places_of_machine
+from stickslip.models.several_bodies import along
 
 Ends = tuple[str, str | None]
 
@@ -95,6 +96,14 @@ class TurnedCoordinates(Turned):
     def contacts(self) -> Mapping[str, Any]:
         """The contacts, with laws in the mirror."""
         return {name: _placed_contact(contact) for name, contact in self.machine.contacts().items()}
+
+    def links(self) -> Mapping[Any, Any]:
+        """The links, whose ends are turned round."""
+        return {_placed_ends(ends): _placed_turned(ends, link, _TurnedLink) for ends, link in self.machine.links().items()}
+
+    def stops(self) -> Mapping[Any, Any]:
+        """The stops likewise."""
+        return {_placed_ends(ends): _placed_turned(ends, stop, _stop) for ends, stop in self.machine.stops().items()}
 
     def places(self, t: Numeric, q: Mapping[str, Any]) -> Mapping[str, Any] | None:
         """The places, on the other side."""
@@ -233,8 +242,23 @@ def _on(on: Any) -> Any:
     return _TurnedMotion(on) if callable(getattr(on, "velocity", None)) else -on
 
 
-def _ends(ends: Ends) -> Any:
+def _ends(ends: tuple[Any, Any]) -> Any:
     return ends if ends[1] is None else (ends[1], ends[0])
+
+
+def _placed_ends(ends: tuple[Any, Any]) -> Any:
+    first, second = (_across_point(end) if isinstance(end, Point) else end for end in ends)
+    return _ends((first, second))
+
+
+def _across_point(point: Point) -> Point:
+    at = point.at
+    return Point(point.body, at=(lambda t: _across(at(t))) if callable(at) else _across(at))
+
+
+def _placed_turned(ends: tuple[Any, Any], parts: Any, one: Callable[[Any], Any]) -> Any:
+    """Links or stops of points pull as strongly in the mirror; others are turned as on a line."""
+    return parts if any(isinstance(end, Point) for end in ends) else _turned(ends, parts, one)
 
 
 def _turned(ends: Ends, parts: Any, one: Callable[[Any], Any]) -> Any:

@@ -9,12 +9,13 @@ unknown of the same linear equations: what the bodies that it bears need along i
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from typing import Any, NamedTuple
 
 from stickslip.basics.maths import cos, sin
 from stickslip.models.friction.law_adapter import TINY
+from stickslip.models.link_ends import Point
 from stickslip.solvers.plain.jets import Jet, coordinates, lifted
 from stickslip.solvers.plain.kinks import Watching, noting
 
@@ -22,13 +23,30 @@ _KEPT = 6  # states that are remembered
 Floats = list[Any]
 
 
-class _State(NamedTuple):
-    """What a state asks for: the matrix of inertia, the generalized forces without friction, and of each body its place and forces."""
+class _Shape(NamedTuple):
+    """What places and energies alone ask for: the matrix of inertia, what velocities do, places, and distances that links see."""
 
     M: list[Floats]
     h: Floats
     places: dict[str, list[Jet]]
+    apart: list[_Apart]
+
+
+class _State(NamedTuple):
+    """The same with forces: generalized ones without friction, those on each body, and tensions of links."""
+
+    shape: _Shape
+    h: Floats
     forces: dict[str, Floats]
+    tensions: Floats
+
+
+class _Apart(NamedTuple):
+    """How far the ends of a link are apart, and in which direction from the second to the first."""
+
+    distance: Jet
+    x: Any
+    z: Any
 
 
 class OwnRoute:
@@ -63,19 +81,20 @@ class OwnRoute:
     def __init__(self, mechanics: Any):
         self.mechanics, self.model, self.names = mechanics, mechanics.model, mechanics.bodies
         self.rows = [list(map(float, row)) for row in mechanics.rows(0.0, mechanics.start)]
+        self._shapes: dict[Any, _Shape] = {}
         self._states: dict[Any, _State] = {}
 
     # ---- asked by the judge ----
     def felt(self, t: float, q: Sequence[Any], u: Sequence[Any]) -> list[Floats]:
         """What a unit force in each contact does to the rates of the coordinates."""
-        M = self.state(t, q, u, None).M
+        M = self.shape(t, q, u).M
         return [[float(value) for value in solution(M, row)] for row in self.rows]
 
     def accelerations(self, t: float, q: Sequence[Any], u: Sequence[Any], R: Sequence[Any], z: Any = None) -> Floats:
         """Second derivatives of the coordinates under friction forces."""
         state = self.state(t, q, u, z)
         h = [of - sum(row[j] * force for row, force in zip(self.rows, R, strict=True)) for j, of in enumerate(state.h)]
-        return solution(state.M, h)
+        return solution(state.shape.M, h)
 
     def load(self, i: int, t: float, q: Sequence[Any], u: Sequence[Any], z: Any = None) -> Any:
         """Normal force on a contact [N]: what it says, or what a rail needs while its body slips to the side of its slip."""
@@ -86,57 +105,76 @@ class OwnRoute:
         slip = sum(g * float(v) for g, v in zip(self.rows[i], u, strict=True)) + float(self.mechanics.offsets(t)[i])
         per_load = float(self.mechanics.laws[i].sliding(slip or TINY, 1.0))
         need, by = self._needed(i, state)
-        free = need + sum(c * a for c, a in zip(by, solution(state.M, state.h), strict=True))
+        free = need + sum(c * a for c, a in zip(by, solution(state.shape.M, state.h), strict=True))
         side = 1.0 if noting(free, u[0]) > 0.0 else -1.0
-        gives = sum(c * a for c, a in zip(by, solution(state.M, self.rows[i]), strict=True))
+        gives = sum(c * a for c, a in zip(by, solution(state.shape.M, self.rows[i]), strict=True))
         return side * free / (1.0 + per_load * side * gives)
 
     # ---- once for a state ----
     def state(self, t: float, q: Sequence[Any], u: Sequence[Any], z: Any) -> _State:
-        """What is derived for one state; where no condition is asked the last ones are remembered."""
-        if self._has_conditions:
-            return self._derived(t, q, u, z)
-        t, q, u, z = float(t), list(map(float, q)), list(map(float, u)), None if z is None else list(map(float, z))
-        numbers = (t, *q, *u, *(z or ()))
-        if numbers not in self._states:
-            if len(self._states) == _KEPT:
-                del self._states[next(iter(self._states))]
-            self._states[numbers] = self._derived(t, q, u, z)
-        return self._states[numbers]
+        """What is derived for one state."""
+        if self._forces_have_conditions:
+            return self._with_forces(t, q, u, z)
+        q, u, z = list(map(float, q)), list(map(float, u)), None if z is None else list(map(float, z))
+        return _remembered(self._states, (t, *q, *u, *(z or ())), lambda: self._with_forces(t, q, u, z))
+
+    def shape(self, t: float, q: Sequence[Any], u: Sequence[Any]) -> _Shape:
+        """What places or energies say of one state."""
+        if self._places_have_conditions:
+            return self._derived(t, q, u)
+        q, u = list(map(float, q)), list(map(float, u))
+        return _remembered(self._shapes, (t, *q, *u), lambda: self._derived(t, q, u))
 
     @cached_property
-    def _has_conditions(self) -> bool:
-        """Whether a condition on the state is asked on the way, whose branches are held while an integrator steps."""
+    def _places_have_conditions(self) -> bool:
+        """Whether a condition on the state is asked, whose branches are held while an integrator steps."""
+        return self._asks(lambda t, q, u: self._derived(t, q, u).h)
 
-        def asked(t: float, q: Floats, u: Floats) -> Floats:
-            return self._derived(t, q, u, None).h
+    @cached_property
+    def _forces_have_conditions(self) -> bool:
+        return self._places_have_conditions or self._asks(lambda t, q, u: self._with_forces(t, q, u, None).h)
 
-        return bool(Watching(asked).differences(None, 0.0, self.mechanics.start, [0.0] * len(self.names)))
+    def _asks(self, function: Callable[..., Floats]) -> bool:
+        return bool(Watching(function).differences(None, 0.0, self.mechanics.start, [0.0] * len(self.names)))
 
     def _named(self, values: Iterable[Any]) -> dict[str, Any]:
         return dict(zip(self.names, values, strict=True))
 
-    def _derived(self, t: float, q: Sequence[Any], u: Sequence[Any], z: Any) -> _State:
-        generalized = self._generalized(t, q, u, z)
+    def _derived(self, t: float, q: Sequence[Any], u: Sequence[Any]) -> _Shape:
         if self.mechanics.by_energy:
             M, gyroscopic = self._by_energy(q, u)
-            return _State(M, [Q - g for Q, g in zip(generalized, gyroscopic, strict=True)], {}, {})
+            return _Shape(M, [-g for g in gyroscopic], {}, [])
         n = len(q)
         given = self.model.places(Jet(t, [0.0] * n, 1.0, 0.0), self._named(coordinates(q, u)))
         places = {
             name: [lifted(part, n) for part in (given[name] if isinstance(given[name], tuple) else (given[name],))]
             for name in self.mechanics.placed
         }
-        forces = {name: self._on_body(name, t, place) for name, place in places.items()}
-        M, h = [[0.0] * n for _ in range(n)], generalized
+        M, h = [[0.0] * n for _ in range(n)], [0.0] * n
         for name, place in places.items():
-            for m, part, force in zip(self._inertias(name), place, forces[name], strict=False):
-                net, slopes = force - m * part.second, part.slopes
+            for m, part in zip(self._inertias(name), place, strict=False):
+                slopes = part.slopes
                 for j in range(n):
-                    h[j] = h[j] + slopes[j] * net
+                    h[j] = h[j] - m * slopes[j] * part.second
                     for k in range(j + 1):
                         M[j][k] = M[k][j] = M[j][k] + m * slopes[j] * slopes[k]
-        return _State(M, h, places, forces)
+        return _Shape(M, h, places, [_apart(link, t, places, n) for link in self.mechanics.placed_links])
+
+    def _with_forces(self, t: float, q: Sequence[Any], u: Sequence[Any], z: Any) -> _State:
+        shape = self.shape(t, q, u)
+        h = [a + b for a, b in zip(self._generalized(t, q, u, z), shape.h, strict=True)]
+        distances = [apart.distance for apart in shape.apart]
+        tensions = [
+            link.pull(t, noting(d.value, q[0]), noting(d.rate, q[0]))
+            for link, d in zip(self.mechanics.placed_links, distances, strict=True)
+        ]
+        for tension, distance in zip(tensions, distances, strict=True):
+            h = [value - tension * slope for value, slope in zip(h, distance.slopes, strict=True)]
+        forces = {name: self._on_body(name, t, place, q[0]) for name, place in shape.places.items()}
+        for name, place in shape.places.items():
+            for part, force in zip(place, forces[name], strict=True):
+                h = [value + force * slope for value, slope in zip(h, part.slopes, strict=True)]
+        return _State(shape, h, forces, tensions)
 
     def _inertias(self, name: str) -> tuple[Any, Any, Any]:
         body = self.mechanics.placed[name]
@@ -150,18 +188,18 @@ class OwnRoute:
         of_controllers = parts.forces(t, x, v, parts.start(t, x, v) if z is None else z) if parts.count else ()
         for name, force in (*of_machine.items(), *of_controllers):
             gathered[name] = gathered[name] + force
-        for (first, second), link in self.mechanics.links.items():
+        for (first, second), pull in self.mechanics.pulls:
             far, fast = (0.0, 0.0) if second is None else (x[second], v[second])
-            tension = link.force(x[first] - far, v[first] - fast)
+            tension = pull(t, x[first] - far, v[first] - fast)
             gathered[first] = gathered[first] - tension
             if second is not None:
                 gathered[second] = gathered[second] + tension
         return [gathered[name] for name in self.names]
 
-    def _on_body(self, name: str, t: float, place: list[Jet]) -> Floats:
+    def _on_body(self, name: str, t: float, place: list[Jet], like: Any) -> Floats:
         """Force on a body along x, along z, and torque: its own, and its weight."""
         body, plane = self.mechanics.placed[name], len(place) > 1
-        where, fast = [part.value for part in place], [part.rate for part in place]
+        where, fast = ([noting(value, like) for value in of] for of in ([p.value for p in place], [p.rate for p in place]))
         own = body.applied(t, tuple(where) if plane else where[0], tuple(fast) if plane else fast[0])
         forces = [*own, 0.0, 0.0][:3] if isinstance(own, tuple) else [own, 0.0, 0.0]
         if plane:
@@ -204,11 +242,15 @@ class OwnRoute:
     # ---- rails ----
     def _needed(self, i: int, state: _State) -> tuple[Any, Floats]:
         """The force along a rail's normal that what it bears needs: without accelerations of coordinates, and by each of these."""
-        normal, n = self._normal(i, state), len(self.names)
+        normal, n = self._normal(i, state.shape.places), len(self.names)
         need: Any = 0.0
         by: Floats = [0.0] * n
-        for name in self._borne(i):
-            mass, place, forces = self.mechanics.placed[name].mass, state.places[name], state.forces[name]
+        borne = self._borne(i)
+        for link, tension, apart in zip(self.mechanics.placed_links, state.tensions, state.shape.apart, strict=True):
+            held = [_body_of(end) in borne for end in link.ends]
+            need = need + (held[0] - held[1]) * tension * (normal[0] * apart.x + normal[1] * apart.z)
+        for name in borne:
+            mass, place, forces = self.mechanics.placed[name].mass, state.shape.places[name], state.forces[name]
             for along, part, force in zip(normal, place[:2], forces, strict=False):
                 need = need + along * (mass * part.second - force)
                 by = [value + along * mass * slope for value, slope in zip(by, part.slopes, strict=True)]
@@ -223,12 +265,12 @@ class OwnRoute:
             names |= more
         return names
 
-    def _normal(self, i: int, state: _State) -> tuple[Any, Any]:
+    def _normal(self, i: int, places: dict[str, list[Jet]]) -> tuple[Any, Any]:
         """A quarter turn from the way along which the one coordinate that moves a point moves it, against what it rubs on."""
         contact = self.mechanics.touching[i].contact
-        x, z = _point(state.places[contact.body], contact.at or (0.0, 0.0))
+        x, z = _point(places[contact.body], contact.at or (0.0, 0.0))
         if isinstance(contact.on, str):
-            other = state.places[contact.on]
+            other = places[contact.on]
             x, z = x - other[0], z - (other[1] if len(other) > 1 else 0.0)
         ways = list(zip(x.slopes, z.slopes, strict=True))
         dx, dz = max(ways, key=lambda way: float(way[0]) ** 2 + float(way[1]) ** 2)
@@ -240,10 +282,51 @@ def _point(place: list[Jet], at: tuple[Any, Any]) -> tuple[Jet, Jet]:
     """A point of a body, from its own axes."""
     x, z, (a, b) = place[0], place[1], at
     if len(place) < 3:
-        return x, z
+        return x + a, z + b
     turn: Any = place[2]
     c, s = cos(turn), sin(turn)
     return x + a * c - b * s, z + a * s + b * c
+
+
+def _remembered(known: dict[Any, Any], key: Any, derived: Callable[[], Any]) -> Any:
+    """What is derived for a state, or was for one of the last."""
+    if key not in known:
+        if len(known) == _KEPT:
+            del known[next(iter(known))]
+        known[key] = derived()
+    return known[key]
+
+
+def _apart(link: Any, t: float, places: dict[str, list[Jet]], n: int) -> _Apart:
+    """How far the ends of a link are apart: between angles, or on a line, with a sign."""
+    (x1, z1, a1), (x2, z2, a2) = ends = [_end(end, t, places, n) for end in link.ends]
+    if link.turns:
+        return _Apart(a1 - a2, 0.0, 0.0)
+    if all(z is None for _, z, _ in ends):
+        return _Apart(x1 - x2, 1.0, 0.0)
+    x, z = x1 - x2, (lifted(0.0, n) if z1 is None else z1) - (lifted(0.0, n) if z2 is None else z2)
+    distance = (x * x + z * z) ** 0.5
+    return _Apart(distance, x.value / distance.value, z.value / distance.value)
+
+
+def _body_of(end: Any) -> Any:
+    return end if end is None or isinstance(end, str) else end.body
+
+
+def _end(end: Any, t: float, places: dict[str, list[Jet]], n: int) -> tuple[Any, Any, Any]:
+    """Where a link ends in x and z, which may be a line without heights, and at what angle."""
+    nothing = lifted(0.0, n)
+    if end is None:
+        return nothing, None, nothing
+    body = end if isinstance(end, str) else end.body
+    if body is None:
+        x, z = end.at(Jet(t, [0.0] * n, 1.0, 0.0)) if callable(end.at) else end.at
+        return lifted(x, n), lifted(z, n), nothing
+    place = places[body]
+    if isinstance(end, Point):
+        x, z = _point([*place, nothing][: max(2, len(place))], end.at)
+        return x, z, nothing
+    return place[0], place[1] if len(place) > 1 else None, place[2] if len(place) > 2 else nothing
 
 
 def solution(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> Floats:
