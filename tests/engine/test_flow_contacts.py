@@ -204,7 +204,7 @@ def started(field, law=_LAW, second=False):
 
 
 # ---- laws with inner states, memories, or a question after the force that would hold them ----
-K, SPEED, LASTS = 50.0, 0.05, 3.0
+K, SPEED, LASTS = 50.0, 0.05, 1.5
 LAWS = [ss.friction.LuGre, ss.friction.Dahl, ss.friction.ElastoPlastic, ss.friction.RateState]
 LAWS += [ss.friction.GMS, ss.friction.ResetIntegrator, ss.friction.Karnopp]
 
@@ -304,11 +304,27 @@ def test_laws_of_both_sorts_meet_in_a_flow_as_in_a_machine():
     assert len(stops) > 2 and [event.t for event in run.events] == pytest.approx(stops, abs=1e-8)
 
 
-def test_cycles_and_multipliers_of_a_flow_with_bristles_are_those_of_the_machine():
-    flow, machine = on_belt(ss.friction.LuGre(0.2, 0.2, f_plus=0.3, f_minus=0.3, sigma0=1e4, sigma1=10.0, sigma2=0.1, v_s=0.05))
+SOFT = ss.friction.LuGre(0.2, 0.2, f_plus=0.3, f_minus=0.3, sigma0=1e4, sigma1=10.0, sigma2=0.1, v_s=0.05)
+ELEMENTS = ss.friction.GMS(0.2, 0.2, 0.3, 0.3, sigma0=1e4, v_s=0.05, attraction=10.0)
+
+
+@each_row("law", [SOFT, ELEMENTS], ids=["LuGre", "GMS"])
+def test_cycles_and_multipliers_of_a_flow_with_inner_states_are_those_of_the_machine(law):
+    flow, machine = on_belt(law)
     orbit, own = ss.periodic_orbit(flow), ss.periodic_orbit(machine, rtol=1e-10)
     assert orbit.duration == pytest.approx(own.duration, rel=1e-8)
     assert max(abs(orbit.multipliers)) == pytest.approx(max(abs(own.multipliers)), abs=1e-6)
+
+
+def test_starts_of_maps_and_files_know_contacts_with_inner_states(tmp_path):
+    """All starts come to the driven motion, after some 300 periods of 800 steps."""
+    foot = ss.machines.FlowContact(slip=lambda t, y: y[1], friction=SOFT, load=1.0)
+    shaken = lambda t, y, R: (y[1], -2.0 * y[0] + 0.6 * sin(2.0 * t) - R.foot)  # noqa: E731
+    flow = ss.SwitchingFlow(shaken, period=np.pi, states=("x", "v"), contacts={"foot": foot})
+    assert [(a.period, a.share) for a in ss.basins(flow, x=[-0.01, 0.3], v=[0.0, 0.05]).attractors] == [(1, 1.0)]
+    run = ss.solve(flow, periods=3)
+    again = ss.load(run.save(tmp_path / "run.nc"), machines=[flow])
+    assert (run.method, run.rtol) == (again.method, again.rtol) == ("Rodas5P", 1e-9) and np.array_equal(run.state, again.state)
 
 
 @each_row(

@@ -139,7 +139,9 @@ def cut_of(run: Any, asked: Asked | None = None) -> Cut:
 def _widest(run: Any, late: Array, columns: dict[str, Array]) -> str:
     """The state that moves most in its scale: a position where there is one, and none that jumps over the middle of its range."""
     if not adapter_of(run.model).has_bodies:
-        scales = dict(zip(run.names, np.ones(len(run.names)) if run.model.scales is None else run.model.scales, strict=True))
+        names = run.names[: len(run.names) - len(run.model.inner)]  # of the field: what laws add to them is not looked at
+        scales = dict(zip(names, np.ones(len(names)) if run.model.scales is None else run.model.scales, strict=True))
+        columns = {name: columns[name] for name in names if name in columns}
         smooth = {name: column for name, column in columns.items() if not _jumps(run, name, column)} or columns
         return max(smooth, key=lambda each: float(np.ptp(columns[each])) / float(scales[each]))
     order = order_of(run.model)

@@ -254,7 +254,7 @@ class TracedFlow:
         given, graph, zero = self.number_of_mode, self.graph, self.graph.constant(0.0)
         memories = tuple(self.y[state] for state in self.contacts.memories)
         if not self.first:
-            return (self.mode, zero, zero, zero, *memories)
+            return (graph.select(-given, -given, given) if self.contacts.names else given, zero, zero, zero, *memories)
         known = list(self.flow.labels.values())
 
         def decoded(of: Callable[[int], float]) -> Sym:

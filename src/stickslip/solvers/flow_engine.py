@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 
 MOST_SWITCHES = 10_000  # in one run, if it is not said
 BUDGET = 200_000  # steps
+_SHORTER = 5, 100  # so many more of steps that hold a tolerance: in a run that is kept, and in others
 TOLERANCE = 1e-9  # of the Rosenbrock steps of flows whose contacts have inner states; Taylor steps have none
 FIRST = 7  # where a step's polynomials begin, behind its times, its mode, and how many switches were before it
 _KEPT = 64  # flows whose equations are kept
@@ -136,6 +137,11 @@ def steps_of_flow(flow: SwitchingFlow) -> tuple[str, float]:
     return (_STIFF.name, TOLERANCE) if flow.inner else ("exact", 0.0)
 
 
+def budget_of_flow(flow: SwitchingFlow, kept: bool = False) -> float:
+    """Steps that a run may take, fewer where its dense output is kept."""
+    return float(BUDGET * (_SHORTER[not kept] if flow.inner else 1))
+
+
 def number_of_mode(flow: SwitchingFlow, mode: Any) -> int:
     """The number by which the engine knows a mode; one below zero of a mode of the fields, if contacts do there what the state says."""
     return 1 + flow.modes.index(mode) if knows_mode(flow.labels, mode) else -1 - list(flow.fields).index(mode)
@@ -204,7 +210,7 @@ def follow_flow(
     moved = np.concatenate([np.ones(n - len(flow.inner)), ~flow.memories])  # what a law remembers is whole: nothing moves it a little
     for direction in np.diag(moved) if growth else np.zeros((1, n)):
         start = np.concatenate([[0.0], y, direction, [0.0, number_of_mode(flow, mode)]])
-        job = lanes.Job(1, 0, False, TOLERANCE, 0.75, BUDGET)
+        job = lanes.Job(1, 0, False, TOLERANCE, 0.75, budget_of_flow(flow, kept=True))
         results.append(lanes.run(kernel, row, start[None, :], job, keep_pieces=True, partial=partial))
         _check(flow, results[-1], begin, n, most)
     whole, early = results[0], int(results[0].status[0]) in (Status.SWITCHES, Status.NOT_COMPUTED)
@@ -295,7 +301,7 @@ def ends(flow: SwitchingFlow, states: Array, modes: Array, duration: Numeric, be
     equations, kernel, names = flow_kernel(traced_flow(flow, n), record=False)
     rows = flow_row(flow, equations, names, states, duration, begin, None)
     start = np.column_stack([np.zeros(len(states)), states, np.where(modes < 0, modes, 1.0 + modes)])
-    result = lanes.run(kernel, np.ascontiguousarray(rows), start, lanes.Job(1, 0, False, TOLERANCE, 0.75, BUDGET))
+    result = lanes.run(kernel, np.ascontiguousarray(rows), start, lanes.Job(1, 0, False, TOLERANCE, 0.75, budget_of_flow(flow)))
     status = np.where(np.isfinite(result.end[:, 1:]).all(axis=1), result.status, np.maximum(result.status, Status.NOT_A_NUMBER))
     good = status <= Status.REPEATS
     y = np.where(good[:, None], result.end[:, 1:], np.nan)
@@ -337,7 +343,7 @@ def returned(
     more = {weight_of(i): direction if i == which else 0.0 for i in range(n)} | {VALUE: direction * value, RETURNS: float(returns)}
     rows = flow_row(flow, equations, names, states, longest, 0.0, MOST_SWITCHES * returns, more)
     start = np.column_stack([np.zeros(len(states)), states, np.where(modes < 0, modes, 1.0 + modes)])
-    result = lanes.run(kernel, np.ascontiguousarray(rows), start, lanes.Job(1, 0, False, TOLERANCE, 0.75, BUDGET * returns))
+    result = lanes.run(kernel, np.ascontiguousarray(rows), start, lanes.Job(1, 0, False, TOLERANCE, 0.75, budget_of_flow(flow) * returns))
     back = result.status == Status.RETURNED
     status = np.where(back, int(Status.FINISHED), result.status)
     status = np.where(np.isfinite(result.end[:, 1:]).all(axis=1), status, np.maximum(status, Status.NOT_A_NUMBER))

@@ -163,7 +163,7 @@ class FlowCase:
 
     def budget(self, duration: float) -> float:
         """As many as in one run."""
-        return float(flow_engine.BUDGET)
+        return flow_engine.budget_of_flow(self.model)
 
     def sentence(self, status: int, side: Side, t: float) -> str:
         """Why a step could not be made."""
