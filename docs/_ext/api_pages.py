@@ -51,9 +51,9 @@ class Entry:
         return f":doc:`{self.name.removeprefix('stickslip.')} </{self.page}>`"
 
     def written(self) -> str:
-        """Its page."""
+        """Its page. It stands in no table of contents: three hundred lines in the sidebar of every page would help nobody."""
         short = self.name.removeprefix("stickslip.")
-        return f"{short}\n{'=' * len(short)}\n\n{self.text}\n"
+        return f":orphan:\n\n{short}\n{'=' * len(short)}\n\n:doc:`All public names </api>`\n\n{self.text}\n"
 
     def summary(self) -> str:
         """Its first line."""
@@ -89,9 +89,8 @@ def table(block: str) -> str:
     """What stands on the list's page instead of a block."""
     listed = entries(block)
     rows = [f"   * - {entry.link}\n     - {entry.summary()}" for entry in listed]
-    pages = [f"   /{entry.page}" for entry in listed]
     head = ".. list-table::\n   :widths: 30 70\n"
-    return "\n".join(["```{eval-rst}", head, *rows, "", ".. toctree::", "   :hidden:", "", *pages, "```"])
+    return "\n".join(["```{eval-rst}", head, *rows, "```"])
 
 
 def completed(text: str) -> str:
