@@ -1,6 +1,6 @@
 """A Burridge-Knopoff row of 1000 blocks: slips in space and time, and the sizes of its events. Draws docs/images/burridge-knopoff.png.
 
-Run: python examples/burridge_knopoff.py [--seconds 1200]   (two minutes, 2 GB)
+Run: python examples/burridge_knopoff.py [--seconds 2400]   (half a minute to a minute, 2 GB)
 """
 
 from __future__ import annotations

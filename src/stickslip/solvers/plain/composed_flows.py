@@ -197,4 +197,9 @@ def _check_braking(names: Sequence[str], G: Mapping[tuple[str, str], Any]) -> No
                 mistake = (
                     f"contacts {', '.join(some)}: the slip of one follows from those of the others, so that their forces at rest do not"
                 )
-                raise InputError("SwitchingFlow", [f"{mistake}; allowed are slips that can vary on their own; give one contact their load"])
+                one = "give one contact their load, or the sum of their laws, such as ss.Coulomb(0.2, 0.2) + ss.Viscous(2.0, 2.0)"
+                raise InputError(
+                    "SwitchingFlow",
+                    [f"{mistake}; allowed are slips that can vary on their own; {one}; for feet of one body on grounds that move otherwise "
+                     "than one another write a Machine, whose contacts may share a body"],
+                )  # fmt: skip
