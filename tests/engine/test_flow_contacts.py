@@ -186,7 +186,7 @@ _LAW = ss.Coulomb(0.1, 0.1)
         (lambda: started(lambda t, y, R: (R.a,)), "does not brake"),
         (lambda: started(lambda t, y, R: (-R.a * R.a,)), "not linear in the friction force R.a"),
         (lambda: started(lambda t, y, R: (-where(R.a > 1.0, 1.0, R.a),)), "not linear in the friction force R.a"),
-        (lambda: started(lambda t, y, R: (-R.a - R.b,), second=True), "a, b: the slip of one follows"),
+        (lambda: triangle(), "a, b, c: the slip of one follows.*write a Machine"),
     ],
 )
 def test_what_no_contact_can_do_is_said(wrong, said):
@@ -197,6 +197,13 @@ def test_what_no_contact_can_do_is_said(wrong, said):
 def one_contact(field, law=_LAW, contacts=None, second=False):
     contact = ss.machines.FlowContact(slip=lambda t, y: y[0], friction=law, load=1.0)
     return ss.SwitchingFlow(field, states=("v",), contacts=contacts or ({"a": contact} | ({"b": contact} if second else {})))
+
+
+def triangle():
+    """Two bodies on the ground and on one another: three slips of two velocities."""
+    slips = {"a": lambda t, y: y[0], "b": lambda t, y: y[1], "c": lambda t, y: y[0] - y[1]}
+    contacts = {name: ss.machines.FlowContact(slip=slip, friction=_LAW, load=1.0) for name, slip in slips.items()}
+    return ss.solve(ss.SwitchingFlow(lambda t, y, R: (-R.a - R.c, R.c - R.b), states=("v", "w"), contacts=contacts), duration=1.0)
 
 
 def started(field, law=_LAW, second=False):
@@ -258,6 +265,39 @@ def test_a_law_in_a_flow_does_what_it_does_in_a_machine_and_what_scipy_says(law)
     assert abs(run.at(t)["x"] - own.at(t)["x"]).max() < 1e-10 and abs(run.at(t)["v"] - own.at(t)["v"]).max() < 1e-10
     assert abs(run.contacts["belt"].friction_force[-1] - own.friction_force[-1]) < 1e-7  # stiff elements show a position 1e4 times
     assert abs(run.state[:2] - by_scipy(law, LASTS)).max() < 1e-7
+
+
+@dataclass(frozen=True, eq=False)
+class TwoFeet(ss.Machine):
+    """A shaken block with two feet, one of which may stand on a belt."""
+
+    speed: float
+    laws: tuple = (ss.Coulomb(0.2, 0.2, f_plus=0.3, f_minus=0.3), ss.Stribeck(0.1, 0.15, f_plus=0.2, f_minus=0.2, v_s=0.1))
+    velocity_scale = 1.0
+
+    def bodies(self):
+        return {"block": ss.Body(1.0, force=lambda t, x, v: 1.5 * sin(4.0 * t) - 2.0 * x)}
+
+    def contacts(self):
+        left, right = self.laws
+        return {"left": ss.Contact("block", left, load=1.0), "right": ss.Contact("block", right, load=2.0, on=self.speed)}
+
+
+@each_row("speed", [0.0, 0.15])
+def test_several_feet_of_a_body_do_what_they_do_in_a_machine_and_what_the_judge_says(speed):
+    machine = TwoFeet(speed)
+    left = ss.machines.FlowContact(slip=lambda t, y: y[1], friction=machine.laws[0], load=1.0)
+    right = ss.machines.FlowContact(slip=lambda t, y: y[1] - speed if speed else y[1], friction=machine.laws[1], load=2.0)
+    field = lambda t, y, R: (y[1], 1.5 * sin(4.0 * t) - 2.0 * y[0] - R.left - R.right)  # noqa: E731
+    flow = ss.SwitchingFlow(field, states=("x", "v"), contacts={"left": left, "right": right})
+    run, own = ss.solve(flow, duration=8.0), ss.solve(machine, duration=8.0)
+    t = np.linspace(0.0, 8.0, 90)[1:]
+    assert abs(run.at(t)["x"] - np.ravel(own.at(t)["x"])).max() < 1e-13 and abs(run.at(t)["v"] - np.ravel(own.at(t)["v"])).max() < 1e-13
+    forces = np.column_stack([[run.at(s)[f"friction_force_{name}"] for s in t] for name in ("left", "right")])
+    assert abs(forces - own.at(t)["friction_force"]).max() < 1e-12
+    plain = ss.dynamics.passage(flow, [0.0, 0.0], 0, 8.0, method="dop853")
+    assert len(plain.events) > 5 and [e[1:] for e in plain.events] == [e[1:] for e in run.events]
+    assert abs(plain.state - run.state).max() < 1e-11
 
 
 def test_what_a_law_remembers_is_part_of_the_state():

@@ -6,7 +6,7 @@ Between events the modes are held; at an event, and at the start, they are decid
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import reduce
 from typing import Any
 
@@ -244,6 +244,8 @@ class Box:
         Friction forces of sliding (forwards, backwards), and those that it can bear at rest (backward, forward).
     G, free : dict
         How much the force of contact k takes of the rate of slip i, by (i, k); and the rates without friction.
+    apart : set of (int, int)
+        Pairs that do not rest together: contacts of one coordinate on grounds that move otherwise than one another.
     """
 
     def __init__(
@@ -254,8 +256,9 @@ class Box:
         limits: dict[int, tuple[Sym, Sym]],
         G: dict[tuple[int, int], Sym],
         free: dict[int, Sym],
+        apart: frozenset[tuple[int, int]] = frozenset(),
     ):
-        self.graph, self.group = graph, list(modes)
+        self.graph, self.group, self.apart = graph, list(modes), apart
         self.modes, self.slide, self.limits, self.G, self.free = modes, slide, limits, G, free
 
     def beta(self, forces: dict[int, Sym]) -> dict[int, Sym]:
@@ -286,7 +289,10 @@ class Box:
             if not left:
                 return self.held(pattern, beta)[i]
             k, *others = left
-            moving, resting = by_rest(others, pattern, i), by_rest(others, tuple(sorted((*pattern, k))), i)
+            moving = by_rest(others, pattern, i)
+            if not self._rest(together := tuple(sorted((*pattern, k)))):
+                return moving
+            resting = by_rest(others, together, i)
             return graph.by_side(modes[k], moving, moving, resting)
 
         forces = {}
@@ -299,13 +305,18 @@ class Box:
         """Modes of the contacts: the first combination that agrees with its own forces, those with more contacts at rest first."""
         graph, group = self.graph, self.group
         one = graph.constant(1.0)
-        sets = sorted(itertools.product((0, 1, -1), repeat=len(group)), key=lambda sides: sum(map(abs, sides)))
+        every = itertools.product((0, 1, -1), repeat=len(group))
+        sets = sorted((sides for sides in every if self._rest([i for i, side in zip(group, sides, strict=True) if not side])), key=_sliding)
         new = {i: graph.constant(0.0) for i in group}
         for sides in reversed(sets):
             given = dict(zip(group, sides, strict=True))
             agrees = reduce(lambda rest, condition: graph.select(condition, rest, -one), self._conditions(given, now), one)
             new = {i: graph.select(agrees, graph.constant(float(given[i])), new[i]) for i in group}
         return new
+
+    def _rest(self, pattern: Sequence[int]) -> bool:
+        """Whether these contacts may rest together."""
+        return not any(pair in self.apart for pair in itertools.combinations(pattern, 2))
 
     def _conditions(self, given: dict[int, int], now: dict[int, Sym]) -> list[Sym]:
         """Conditions of a combination, positive if met: resting forces within their limits, slips that begin to the right side."""
@@ -326,6 +337,11 @@ class Box:
                 begins = side * rates[i] + self.G[i, i] * slack
                 conditions.append(graph.select(moves, side * now[i], begins))
         return conditions
+
+
+def _sliding(sides: tuple[int, ...]) -> int:
+    """How many contacts slide."""
+    return sum(map(abs, sides))
 
 
 def sliding_both_ways(parts: Assembly, i: int) -> tuple[Sym, Sym]:

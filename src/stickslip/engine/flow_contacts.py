@@ -8,6 +8,8 @@ of the flow's mode counts all combinations.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations
+from operator import is_ as _is
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
@@ -68,7 +70,8 @@ class FlowContacts:
         self.of_inner = [*inner.values(), *more, *self.of_inner]
         rates = self._with(rates, inner)
         self.boxes = self._boxes(rates) if self.resting else []
-        self.forces = inner | {i: R for box in self.boxes for i, R in box.forces(box.modes).items()}
+        self.forces = inner | dict.fromkeys(self.resting, self.zero)  # of those that slip as one the first has it all
+        self.forces |= {i: R for box in self.boxes for i, R in box.forces(box.modes).items()}
         rates = self._with(rates, self.forces)
         return [*rates, *more]
 
@@ -168,20 +171,34 @@ class FlowContacts:
         graph, own = self.graph, self.y[: len(rates)]
         self._check_guards()
         self.share = {k: [self._share(k, rate) for rate in rates] for k in self.resting}  # of each force in the rate of each state
+        self.alike = self._alike()
         free = self._with(rates, dict.fromkeys(self.resting, self.zero))
         slopes = {i: [graph.derivative(self.slips[i], state) for state in own] for i in self.resting}
         beta = {i: _total([graph.derivative(self.slips[i], self.flow.t), *_products(slopes[i], free)]) for i in self.resting}
         self.G = {(i, k): -_total([self.zero, *_products(slopes[i], self.share[k])]) for i in self.resting for k in self.resting}
         self.slopes = slopes
-        slide = {i: self._sliding(i) for i in self.resting}
-        limits = {i: self._limits(i) for i in self.resting}
+        slide = {i: _sums([self._sliding(k) for k in alike]) for i, alike in self.alike.items()}
+        limits = {i: _sums([self._limits(k) for k in alike]) for i, alike in self.alike.items()}
         return [
             Box(
                 graph, {i: self.sides[i] for i in group}, {i: slide[i] for i in group}, {i: limits[i] for i in group},
-                {(i, k): self.G[i, k] for i in group for k in group}, {i: beta[i] for i in group},
+                {(i, k): self.G[i, k] for i in group for k in group}, {i: beta[i] for i in group}, self._apart(group),
             )
             for group in self._groups()
         ]  # fmt: skip
+
+    def _alike(self) -> dict[int, list[int]]:
+        """Contacts that always slip as one, by the first of them, whose force stands for the sum."""
+        alike: dict[int, list[int]] = {}
+        for i in self.resting:
+            same = (k for k in alike if self.slips[i] is self.slips[k] and all(map(_is, self.share[i], self.share[k])))
+            alike.setdefault(next(same, i), []).append(i)
+        return alike
+
+    def _apart(self, group: list[int]) -> frozenset[tuple[int, int]]:
+        """Pairs of contacts of one coordinate, whose slips differ by what no force changes."""
+        G = self.G
+        return frozenset((i, k) for i, k in combinations(group, 2) if G[i, i] is G[i, k] is G[k, i] is G[k, k])
 
     def _share(self, k: int, rate: Sym) -> Sym:
         """How much of a friction force a rate takes; an error where that depends on friction forces."""
@@ -220,7 +237,7 @@ class FlowContacts:
 
     def _groups(self) -> list[list[int]]:
         groups: list[list[int]] = []
-        for i in self.resting:
+        for i in self.alike:
             joined = [group for group in groups if any(not (is_zero(self.G[i, k]) and is_zero(self.G[k, i])) for k in group)]
             groups = [*(group for group in groups if group not in joined), sorted([i, *(k for group in joined for k in group)])]
         return sorted(groups)
@@ -235,8 +252,12 @@ class FlowContacts:
         """What each contact does from the state alone: it rests where its slip is zero and friction can hold it."""
         sides: dict[int, Sym] = {}
         for box in self.boxes:
-            sides |= box.decided({i: self._side(i) for i in box.group})
-        return sides
+            sides |= self._all(box.decided({i: self._side(i) for i in box.group}))
+        return {i: sides[i] for i in self.resting if sides}
+
+    def _all(self, sides: dict[int, Sym]) -> dict[int, Sym]:
+        """The same of all that slip as one."""
+        return {k: side for i, side in sides.items() for k in self.alike[i]}
 
     def _side(self, i: int) -> Sym:
         """The side of a slip, zero up to rounding."""
@@ -267,11 +288,11 @@ class FlowContacts:
                 mode, (low, high), slip = self.sides[i], box.limits[i], self.slips[i]
                 near = self.zero if self._is_state(i) else _NEAR * self._size(i)
                 exactly = self._stopped(i)
-                arrived = self.sides | box.decided({**box.modes, i: self.zero})
+                arrived = self.sides | self._all(box.decided({**box.modes, i: self.zero}))
                 events += [
                     (graph.by_side(mode, slip + near, near - slip, one), arrived, exactly),
-                    (graph.by_side(mode, one, one, high - forces[i]), {**self.sides, i: one}, exactly),
-                    (graph.by_side(mode, one, one, forces[i] - low), {**self.sides, i: -one}, exactly),
+                    (graph.by_side(mode, one, one, high - forces[i]), self.sides | self._all({i: one}), exactly),
+                    (graph.by_side(mode, one, one, forces[i] - low), self.sides | self._all({i: -one}), exactly),
                 ]
         return events
 
@@ -293,6 +314,10 @@ _LEAST = 1e-300
 
 def _products(a: Sequence[Sym], b: Sequence[Sym]) -> list[Sym]:
     return [x * y for x, y in zip(a, b, strict=True) if not (is_zero(x) or is_zero(y))]
+
+
+def _sums(pairs: Sequence[tuple[Sym, Sym]]) -> tuple[Sym, Sym]:
+    return _total([a for a, _ in pairs]), _total([b for _, b in pairs])
 
 
 def _total(terms: Sequence[Any]) -> Any:

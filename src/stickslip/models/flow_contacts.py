@@ -30,6 +30,7 @@ NOT_LINEAR = (  #: to be formatted with the name of a contact
     "is not linear in the friction force R.{0}, so that no force which holds the contact follows; allowed are rates such as (F - R.{0})/m, "
     "with factors and conditions that do not depend on friction"
 )
+_SAME = 1e-12  # of a share of a force
 _LOAD = "a number, or a function of (t, y) that returns it"
 
 
@@ -300,9 +301,21 @@ class ContactForces:
         rest = [name for name in self.resting if name not in R]
         if rest:
             G, beta = self.problem(mode, t, y)
-            R |= _held(rest, G, {i: _less(beta[i], [(G[i, k], R[k]) for k in R]) for i in rest})
+            first = {i: next(k for k in rest if is_same(G, i, k)) for i in rest}  # of those that slip as one
+            held = _held(list(dict.fromkeys(first.values())), G, {i: _less(beta[i], [(G[i, k], R[k]) for k in R]) for i in rest})
+            for i, one in first.items():
+                R[i] = self._shared(held[one], i, [k for k in rest if first[k] == one], loads)
         R |= inner
         return {name: R[name] for name in self.contacts}
+
+    def _shared(self, total: Any, name: str, alike: Sequence[str], loads: Mapping[str, Any]) -> Any:
+        """The part of a contact in the force that holds several: in proportion to what each can bear, as that of machines."""
+        if len(alike) == 1:
+            return total
+        limits = {k: self.laws[k].breakaway(loads[k]) for k in alike}
+        lows, highs = (sum(limits[k][side] for k in alike) for side in (0, 1))
+        low, high = limits[name]
+        return total * where(total > 0.0, high / where(highs > 0.0, highs, 1.0), low / where(lows < 0.0, lows, -1.0))
 
     def rates(self, mode: Any, sides: Sequence[int], t: Any, y: Sequence[Any]) -> list[Any]:
         """Rates of all states, those of the laws last."""
@@ -324,6 +337,12 @@ class ContactForces:
             raise SolveError(f"the load of contact {name!r} falls to zero at t = {float(t):.9g}")
 
         return lost
+
+
+def is_same(G: Mapping[tuple[str, str], Any], i: str, k: str) -> bool:
+    """Whether two contacts act on one coordinate alike, so that only the sum of their forces matters."""
+    values = [np.asarray(without_slopes(G[pair]), float) for pair in ((i, i), (i, k), (k, i), (k, k))]
+    return i == k or all(bool(np.all(abs(value - values[0]) <= _SAME * abs(values[0]))) for value in values)
 
 
 def _one(value: Any) -> Any:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.basics.errors import InputError
-from stickslip.models.flow_contacts import NOT_LINEAR, ContactForces
+from stickslip.models.flow_contacts import NOT_LINEAR, ContactForces, is_same
 from stickslip.models.switching_flow import Switch, SwitchingFlow, knows_mode
 from stickslip.solvers.plain.deciding import ROUNDING, decide
 
@@ -108,25 +108,34 @@ class _Composition:
 
     def _arrives(self, base: Any, sides: tuple[int, ...], name: str, side: int) -> Switch:
         stopped = lambda t, y: self.contacts.stopped(base, name, t, y)  # noqa: E731
-        known = {k: s for k, s in zip(self.names, sides, strict=True) if s and k != name}
 
         def to(t: Any, y: Any) -> Any:
-            return self.label[base, self.decided(base, t, stopped(t, y), known, [not s for s in sides])]
+            rested = stopped(t, y)
+            alike = self._alike(base, name, t, rested)
+            known = {k: s for k, s in zip(self.names, sides, strict=True) if s and k not in alike}
+            return self.label[base, self.decided(base, t, rested, known, [not s for s in sides])]
 
         return Switch(lambda t, y: side * self.contacts.slips(t, y)[name], to, stopped)
 
     def _breaks(self, way: int) -> Callable[..., Switch]:
         def switch(base: Any, sides: tuple[int, ...], name: str, side: int) -> Switch:
-            after = tuple(way if k == name else s for k, s in zip(self.names, sides, strict=True))
+            def to(t: Any, y: Any) -> Any:
+                alike = self._alike(base, name, t, y)
+                return self.label[base, tuple(way if k in alike else s for k, s in zip(self.names, sides, strict=True))]
 
             def left(t: Any, y: Any) -> Any:
                 low, high = self.contacts.laws[name].breakaway(self.contacts.loads(t, y)[name])
                 R = self.contacts.forces(base, sides, t, y)[name]
                 return high - R if way > 0 else R - low
 
-            return Switch(left, self.label[base, after], lambda t, y: self.contacts.stopped(base, name, t, y))
+            return Switch(left, to, lambda t, y: self.contacts.stopped(base, name, t, y))
 
         return switch
+
+    def _alike(self, base: Any, name: str, t: Any, y: Any) -> set[str]:
+        """A contact, and those that slip as one with it: of one coordinate and with the same slip."""
+        G, slips = self.contacts.problem(base, t, y)[0], self.contacts.slips(t, y)
+        return {k for k in self.names if is_same(G, name, k) and float(slips[k]) == float(slips[name])}
 
     def _of_user(self, base: Any, sides: Sequence[int]) -> list[Switch]:
         return [self._user_switch(s) for s in self.user.switches.get(base, ())]
@@ -192,14 +201,12 @@ def _check_braking(names: Sequence[str], G: Mapping[tuple[str, str], Any]) -> No
             raise InputError("SwitchingFlow", [f"{mistake} {allowed}"])
     for count in range(2, len(names) + 1):
         for some in combinations(names, count):
+            if any(is_same(G, i, k) for i, k in combinations(some, 2)):
+                continue
             size = float(np.prod([float(G[name, name]) for name in some]))
             if not np.linalg.det([[float(G[i, k]) for k in some] for i in some]) > _SINGULAR * size:
                 mistake = (
                     f"contacts {', '.join(some)}: the slip of one follows from those of the others, so that their forces at rest do not"
                 )
-                one = "give one contact their load, or the sum of their laws, such as ss.Coulomb(0.2, 0.2) + ss.Viscous(2.0, 2.0)"
-                raise InputError(
-                    "SwitchingFlow",
-                    [f"{mistake}; allowed are slips that can vary on their own; {one}; for feet of one body on grounds that move otherwise "
-                     "than one another write a Machine, whose contacts may share a body"],
-                )  # fmt: skip
+                one = "give one contact less, or write a Machine of bodies and contacts, which SciPy's integrator follows"
+                raise InputError("SwitchingFlow", [f"{mistake}; allowed are slips that can vary on their own; {one}"])
