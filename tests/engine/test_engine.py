@@ -326,11 +326,11 @@ def test_a_case_that_cannot_be_solved_is_a_status():
 # ---- the arrays of lanes ----
 def test_lanes_have_room_for_every_column_that_the_driver_names():
     """`run` makes as many columns as the last name says; the driver's text counts them, and the exact arcs keep as many segments."""
+    from stickslip.engine.kernel_text import kernel_text
     from stickslip.engine.kernels import columns
-    from stickslip.engine.texts import coulomb_text
 
     text = ast.parse(Path(columns.__file__).read_text(encoding="utf-8"))
     named = [[name.id for name in node.targets[0].elts] for node in text.body if isinstance(getattr(node, "value", None), ast.Call)]
     ends = [("CASE", "SEGMENTS"), ("TQ", "BEFORE"), ("NEXT", "WHOLE"), ("RTOL", "BUDGET_OF_STEPS"), ("TOTAL", "SMALLEST")]
     assert [(names[0], names[-1]) for names in named] == ends
-    assert f"SEGS = {columns.SEGS} " in coulomb_text("coulomb_harmonic_looks")
+    assert f"SEGS = {columns.SEGS} " in kernel_text("coulomb_harmonic_looks")

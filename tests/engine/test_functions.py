@@ -95,11 +95,26 @@ def worked(x, n, small, count):
     n[5] = np.int64(seen) + (x[10] != x[10])
 
 
+@njit(float64(float64, int64), fastmath={"contract"})
+def turned(x, count):
+    """Functions of angles, an array of rows and one of small numbers; its products and sums are exact, however they are rounded."""
+    grid, codes = np.zeros((count, 3)), np.empty(count, dtype=np.int8)
+    for i in range(count):
+        codes[i] = -2 * i
+        for j in range(3):
+            grid[i, j] = 0.5 * i + j * codes[i]
+    if count < 1:
+        angle = math.sin(x) if x > 0.0 else math.cos(x)
+        return angle if angle * angle < 0.5 else math.asin(0.5 * angle) if angle > 0.0 else math.pi
+    return grid[count - 1, 2] * 0.5 + codes[count - 1]
+
+
 @njit(float64(f1, i1, f2, b2), **OPTIONS)
 def entry(x, n, table, small):
     if n[0] < 0:
         return -1.0
     worked(x, n, small, n[0] + 2)
+    x[0] = turned(x[2], n[0])
     return weighed(table, n[0] % 3)
 '''
 

@@ -23,7 +23,7 @@ ON_INTEGERS = {
 COMPARED = {ast.Gt: ">", ast.Lt: "<", ast.GtE: ">=", ast.LtE: "<=", ast.Eq: "==", ast.NotEq: "!="}
 #: Of floats: the intrinsic function of LLVM, and how many numbers it takes.
 INTRINSICS = {"fma": ("llvm.fma", 3), "abs": ("llvm.fabs", 1), "math.sqrt": ("llvm.sqrt", 1)}
-_CONSTANTS = {"math.nan": math.nan, "np.nan": math.nan, "math.inf": math.inf}
+_CONSTANTS = {"math.nan": math.nan, "np.nan": math.nan, "math.inf": math.inf, "math.pi": math.pi}
 
 
 def all_statements(body: list[ast.stmt]) -> Iterator[ast.stmt]:
@@ -94,7 +94,7 @@ class Expressions(ast.NodeVisitor):
         return self.refuse(node) if kind is None else self.constant(kind, node.value)
 
     def visit_Attribute(self, node: ast.Attribute) -> Any:
-        """NaN or infinity."""
+        """NaN, infinity or pi."""
         name = ast.unparse(node)
         return self.constant(self.real, _CONSTANTS[name]) if name in _CONSTANTS else self.refuse(node)
 

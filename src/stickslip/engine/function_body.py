@@ -14,6 +14,9 @@ from stickslip.engine.expressions import BOOL, FLOAT64, INT8, INT64, INTRINSICS,
 
 #: Of floats, beside `INTRINSICS`.
 OF_FLOATS = {"math.floor": "llvm.floor.f64", "math.log2": "llvm.log2.f64", "math.copysign": "llvm.copysign.f64", "math.expm1": "expm1"}
+OF_FLOATS |= {"math.sin": "llvm.sin.f64", "math.cos": "llvm.cos.f64", "math.asin": "asin"}
+#: What arrays of a call's own hold, by the names of types.
+_HELD = {"np.int64": INT64, "np.int8": INT8}
 
 
 @dataclass(frozen=True)
@@ -351,14 +354,15 @@ class _Body(Expressions):
             return result
         return [self.builder.extract_value(result, k) for k in range(len(result.type.elements))]
 
-    def room(self, node: ast.Call, count: Any, zero: bool) -> View:
+    def room(self, node: ast.Call, shape: Any, zero: bool) -> View:
         """An array that lasts as long as the call."""
-        kind = INT64 if any(ast.unparse(each.value) == "np.int64" for each in node.keywords) else FLOAT64
+        shape = shape if isinstance(shape, list) else [shape]
+        kind, count = next((_HELD[ast.unparse(each.value)] for each in node.keywords), FLOAT64), reduce(self.builder.mul, shape)
         data = self.builder.alloca(kind, size=count)
         if zero:
             nothing, one = ir.Constant(INT64, 0), ir.Constant(INT64, 1)
             self.count(nothing, count, one, lambda at: self.builder.store(ir.Constant(kind, 0), self.builder.gep(data, [at])))
-        return View(data, (count,))
+        return View(data, tuple(shape))
 
     def extreme(self, node: ast.AST, sign: str, a: Any, b: Any) -> Any:
         a, b = self.alike(node, a, b)

@@ -7,12 +7,14 @@ functions, most of it in its front end. Here Numba sees one call, of an intrinsi
 The text is Python and means what Python means by it, on 64-bit whole numbers, floats, truth values and arrays whose numbers stand in a
 row; Numba would compile it to the same numbers. Each function has its types in its decorator: ``@njit(void(int64, f1))``. A name has the
 type of what it is first given; what is taken from an array is a view of it, and ``np.empty`` and ``np.zeros`` make one that lasts as long
-as the call. There is no check of bounds, no negative index, and no exception.
+as the call. Only in a function with ``fastmath={"contract"}`` in its decorator may a product and a sum be rounded once, together. There is
+no check of bounds, no negative index, and no exception.
 """
 
 from __future__ import annotations
 
 import ast
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -25,10 +27,11 @@ from stickslip.engine.expressions import BOOL, FLOAT64, INT8, INT64, all_stateme
 from stickslip.engine.function_body import View, write_body
 
 #: Types, by the names that they have in a text.
-f1, f2, f3, i1, i2, b2 = float64[::1], float64[:, ::1], float64[:, :, ::1], int64[::1], int64[:, ::1], int8[:, ::1]
+f1, f2, f3, i1, i2 = float64[::1], float64[:, ::1], float64[:, :, ::1], int64[::1], int64[:, ::1]
+b1, b2 = int8[::1], int8[:, ::1]
 KINDS = {
     "void": void, "int64": int64, "float64": float64, "boolean": boolean, "UniTuple": types.UniTuple, "Tuple": types.Tuple,
-    "f1": f1, "f2": f2, "f3": f3, "i1": i1, "i2": i2, "b2": b2,
+    "f1": f1, "f2": f2, "f3": f3, "i1": i1, "i2": i2, "b1": b1, "b2": b2,
 }  # fmt: skip
 
 
@@ -38,22 +41,26 @@ class _Text:
 
     functions: dict[str, ast.FunctionDef]
     signatures: dict[str, Any]
+    fused: set[str]
     constants: dict[str, Any]
 
 
 @lru_cache(1)
 def _declared(text: str) -> _Text:
     """The parts of a text. A kernel's functions, which are compiled one after the other, share one."""
-    functions, signatures, constants = {}, {}, {"__builtins__": {"range": range, "object": object}}
+    functions, signatures, fused, constants = {}, {}, set(), {"__builtins__": {"range": range, "object": object}, "math": math}
     for node in ast.parse(text).body:
         if isinstance(node, ast.FunctionDef):
             functions[node.name] = node
-            kind = node.decorator_list[0].args[0]  # type: ignore[attr-defined]
+            declared = node.decorator_list[0]
+            kind = declared.args[0]  # type: ignore[attr-defined]
             source = kind.value if isinstance(kind, ast.Constant) else ast.unparse(kind)
             signatures[node.name] = eval(source, {"__builtins__": {}}, KINDS)
+            if any(option.arg == "fastmath" for option in declared.keywords):  # type: ignore[attr-defined]
+                fused.add(node.name)
         elif isinstance(node, ast.Assign):
             exec(ast.unparse(node), constants)
-    return _Text(functions, signatures, constants)
+    return _Text(functions, signatures, fused, constants)
 
 
 class _Program:
@@ -65,6 +72,7 @@ class _Program:
     def __init__(self, module: Any, text: str, outside: dict[str, Any]) -> None:
         self.module, self.outside, declared = module, outside, _declared(text)
         self.texts, self.signatures, self.constants = declared.functions, declared.signatures, declared.constants
+        self.fused = declared.fused
         self.made, self.rows, self.waiting = dict[str, Any](), dict[str, Any](), list[str]()
 
     def function(self, name: str) -> Any:
@@ -86,6 +94,8 @@ class _Program:
         while self.waiting:
             name = self.waiting.pop()
             write_body(self, self.made[name], self.texts[name], self.signatures[name])
+            if name in self.fused:
+                _fuse(self.made[name])
 
     def row(self, name: str) -> View:
         """An array of constants."""
@@ -119,6 +129,14 @@ class _Program:
             return self.outside[name](builder, args)
         given = [part for arg in args for part in ([arg.data, *arg.shape] if isinstance(arg, View) else [arg])]
         return builder.call(self.function(name), given)
+
+
+def _fuse(function: Any) -> None:
+    """Let products and sums of a function be rounded once, where the processor can."""
+    for block in function.blocks:
+        for instruction in block.instructions:
+            if instruction.opname in ("fadd", "fsub", "fmul"):
+                instruction.flags = [*instruction.flags, "contract"]
 
 
 def _given(context: Any, builder: Any, kind: Any, arg: Any) -> Any:

@@ -44,7 +44,7 @@ from numba.extending import intrinsic
 
 from stickslip.engine.addresses import outside
 from stickslip.engine.emit import write
-from stickslip.engine.functions import b2, f1, f2, f3, i1, i2, write_addressed, write_functions  # {compiler}
+from stickslip.engine.functions import b1, b2, f1, f2, f3, i1, i2, write_addressed, write_functions  # {compiler}
 
 CALLED = {{"cache": CACHE, "error_model": "numpy", "nogil": True, "boundscheck": False}}
 BORROWING = {{"_nrt": False}}  # the caller owns all arrays, so that Numba need not count who holds them, in atomic steps, at each call

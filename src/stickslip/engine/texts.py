@@ -52,18 +52,26 @@ def status_text() -> str:
     return "\n".join(f"{status.name} = {status}" for status in Status)
 
 
-@lru_cache
-def coulomb_text(*names: str) -> str:
-    """The mode machine of ``kernels/coulomb_harmonic.py``, and other texts after it."""
-    return "\n\n".join([header("Coulomb × Harmonic"), status_text(), *map(kernel_text, ("coulomb_harmonic", *names))])
+def _coulomb(functions: dict[str, str], *texts: str) -> str:
+    """Functions of the mode machine of ``kernels/coulomb_harmonic.py`` and of the texts after it, for Python."""
+    machine = map(kernel_text, ("coulomb_harmonic", "coulomb_harmonic_looks"))
+    return header("Coulomb × Harmonic") + written(functions, "\n\n".join([status_text(), *machine, *texts]))
+
+
+@lru_cache(1)
+def coulomb_orbits_text() -> str:
+    """The mode machine and its periodic motions by formula."""
+    return _coulomb({"orbits": "void(f2, i1, int64, int64, float64, f2, i2, f2, b2)"}, kernel_text("coulomb_orbits"))
 
 
 @lru_cache(1)
 def coulomb_runs_text() -> str:
     """The mode machine, the test of strobe points and the runs that ask for it."""
-    each_period = f'@njit("{_RECURRENCE["apart"]}", **OPTIONS)\n{inspect.getsource(recurrences.apart)}'
-    first, runs = coulomb_text("coulomb_harmonic_looks"), kernel_text("coulomb_harmonic_runs")
-    return "\n\n".join([first, *_numbers(), _asked("period_number", "outcome"), each_period, runs])
+    functions = {
+        "run": "void(f2, int64, int64, int64, int64, boolean, boolean, float64, f2, i2, f2, b2)",
+        "record": "UniTuple(int64, 2)(f1, f1, int64, int64, i1, f2, i1)",
+    }
+    return _coulomb(functions, recurrence_text(), kernel_text("coulomb_harmonic_runs"))
 
 
 @lru_cache(1)

@@ -32,10 +32,9 @@ def applies(todo: Request) -> bool:
 
 def _kernel() -> Any:
     from stickslip.engine.cache import load
-    from stickslip.engine.texts import coulomb_text
+    from stickslip.engine.texts import coulomb_orbits_text
 
-    text = coulomb_text("coulomb_harmonic_looks", "coulomb_orbits")
-    return load(text, "coulomb_orbits", "Coulomb × Harmonic, periodic motions")
+    return load(coulomb_orbits_text(), "coulomb_orbits", "Coulomb × Harmonic, periodic motions")
 
 
 def orbit_rows(

@@ -14,9 +14,6 @@ points S = r. The value at the end of each falling stretch says whether there is
 zero at the start of an arc is never found again.
 """
 
-import math
-
-FUSED = {**OPTIONS, "fastmath": {"contract"}}
 TAU = 2.0 * math.pi
 STEPS = 256  # arcs in one period beyond which a case is given up (7 are possible)
 # One row of constants: for each side (forward at 0, backward at 8) resistance, first falling stretch (begin, end, C at its
@@ -24,7 +21,7 @@ STEPS = 256  # arcs in one period beyond which a case is given up (7 are possibl
 BACK, AWAY, AWAY_BACK, GAMMA, CONSTANTS = 8, 16, 20, 24, 25
 
 
-@njit("UniTuple(f8, 4)(f8)", **FUSED)
+@njit(UniTuple(float64, 4)(float64), fastmath={"contract"})
 def trig(d):
     """sin d, d - sin d, 1 - cos d and d^2/2 - 1 + cos d for 0 <= d <= 2 pi, each to a few units of its own last place."""
     k = math.floor(d * 0.6366197723675814 + 0.5)
@@ -48,7 +45,7 @@ def trig(d):
     return sine, d - sine, 1.0 - cosine, 0.5 * d * d - (1.0 - cosine)
 
 
-@njit("void(f8[::1], f8[::1])", **OPTIONS)
+@njit(void(f1, f1))
 def prepare(row, q):
     """The constants of a case from its row (r_plus, r_minus, s_plus, s_minus, gamma, ...)."""
     for side in range(2):
@@ -63,7 +60,7 @@ def prepare(row, q):
         q[base + 4], q[base + 5], q[base + 6] = fall, TAU, 1.0 - 2.0 * side
         q[base + 1], q[base + 2], q[base + 3] = 0.0, rise, q[base + 7]
         if rise < 0.0 or fall > TAU:  # r < 0: one falling stretch within the period
-            q[base + 1], q[base + 2] = (fall, rise + TAU) if rise < 0.0 else (fall - TAU, rise)
+            q[base + 1], q[base + 2] = fall if rise < 0.0 else fall - TAU, rise + TAU if rise < 0.0 else rise
             q[base + 5] = -1.0
         q[away], q[away + 1] = shift + level, shift + math.pi - level
         if q[away] < 0.0:
@@ -79,7 +76,7 @@ def prepare(row, q):
     q[GAMMA] = row[4]
 
 
-@njit("b1(f8, f8, f8)", **OPTIONS, forceinline=True)
+@njit(boolean(float64, float64, float64))
 def within(phase, begin, end):
     """Whether a phase lies in [begin, end), which may reach across the end of the period."""
     if begin <= end:
@@ -87,7 +84,7 @@ def within(phase, begin, end):
     return phase >= begin or phase < end
 
 
-@njit("UniTuple(f8, 4)(f8, f8, f8, f8, f8, f8, f8)", **FUSED)
+@njit(UniTuple(float64, 4)(float64, float64, float64, float64, float64, float64, float64), fastmath={"contract"})
 def zero(u, q, S, C, lo, hi, x):
     """The zero of u(d) in [lo, hi], u(lo) > 0 >= u(hi), from the guess x: Halley's steps, else halving.
 
@@ -124,7 +121,7 @@ def zero(u, q, S, C, lo, hi, x):
     return x + step, S1 + step * C1 - half * S1, C1 - step * S1 - half * C1, moved
 
 
-@njit("UniTuple(f8, 5)(f8[::1], f8[::1], i8, f8, f8, f8, f8)", **OPTIONS, forceinline=True)
+@njit(UniTuple(float64, 5)(f1, f1, int64, float64, float64, float64, float64))
 def slip(q, last, side, phase, u, S, C):
     """A sliding arc, to its zero or to the end of the period: new phase, u, S, C, and the displacement."""
     base = BACK * side
@@ -154,7 +151,7 @@ def slip(q, last, side, phase, u, S, C):
     return new, 0.0, S1, C1, moved
 
 
-@njit("Tuple((f8, f8, f8, f8, f8, i8))(f8[::1], f8[::1], f8, f8, f8, f8)", **OPTIONS, forceinline=True)
+@njit(Tuple((float64, float64, float64, float64, float64, int64))(f1, f1, float64, float64, float64, float64))
 def arc(q, last, phase, w, s, c):
     """One arc of the mode machine, not beyond the end of the period: new phase, w, sin, cos, the displacement and the mode."""
     if w > 0.0 or (w == 0.0 and within(phase, q[AWAY], q[AWAY + 1])):
@@ -164,13 +161,14 @@ def arc(q, last, phase, w, s, c):
         new, u, S, C, moved = slip(q, last, 1, phase, -w, -s, -c)
         return new, 0.0 - u, 0.0 - S, 0.0 - C, 0.0 - moved, -1
     new, s, c = TAU, 0.0, 1.0
-    for away in (AWAY, AWAY_BACK):
+    for side in range(2):
+        away = AWAY + 4 * side
         if q[away] > phase and q[away] < new:
             new, s, c = q[away], q[away + 2], q[away + 3]
     return new, 0.0, s, c, 0.0, 0
 
 
-@njit("Tuple((f8, f8, f8, f8, f8, i8))(f8[::1], f8[::1], f8, f8, f8, f8)", **OPTIONS)
+@njit(Tuple((float64, float64, float64, float64, float64, int64))(f1, f1, float64, float64, float64, float64))
 def one_arc(q, last, phase, w, s, c):
     """The same, not inlined."""
     return arc(q, last, phase, w, s, c)

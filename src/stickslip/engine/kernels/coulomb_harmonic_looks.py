@@ -6,19 +6,19 @@
 SEGS = 32  # segments kept
 
 
-@njit("f8(f8[::1], f8[::1], f8)", **OPTIONS)
+@njit(float64(f1, f1, float64))
 def force_margin(q, row, sine):
     """Relative distance of the force offered at this sin(tau) from break-away."""
     offered = sine + q[GAMMA]
     margin = math.inf
-    for limit in (row[2] + q[GAMMA], q[GAMMA] - row[3]):
-        distance = abs(offered / limit - 1.0)
+    for side in range(2):
+        distance = abs(offered / (row[2] + q[GAMMA] if side == 0 else q[GAMMA] - row[3]) - 1.0)
         if distance < margin:  # not a number where nothing is offered and nothing borne
             margin = distance
     return margin
 
 
-@njit("i8(f8[::1], f8[::1], f8[::1], f8, i8, f8[::1], i1[::1], f8[::1])", **OPTIONS)
+@njit(int64(f1, f1, f1, float64, int64, f1, b1, f1))
 def observe(q, row, last, w, periods, seg_time, seg_code, out):
     """Run some periods again; note segments, margin of the forces, extremes of w, displacement.
 
@@ -39,7 +39,7 @@ def observe(q, row, last, w, periods, seg_time, seg_code, out):
                     if start < extreme and extreme < phase:
                         margin = min(margin, force_margin(q, row, 1.0 - 2.0 * k))
             else:
-                base, sign = (0, 1.0) if mode > 0 else (BACK, -1.0)
+                base, sign = 0 if mode > 0 else BACK, 1.0 if mode > 0 else -1.0
                 turn = q[base + 4] if q[base + 5] > 0.0 else q[base + 1]
                 if start < turn and turn < phase:
                     v = v + sign * (sign * c0 + q[base + 7] - q[base] * (turn - start))

@@ -9,10 +9,8 @@ the one that every start ends in (for friction above zero). It either never rest
 the motion period that follows must come back to its strobe point; else the case is left to the mode machine.
 """
 
-import numpy as np
 
-
-@njit("f8(f8[::1])", **OPTIONS)
+@njit(float64(f1))
 def never_resting(row):
     """w at phase 0 of the motion that never rests; not a number if there is none.
 
@@ -35,7 +33,7 @@ def never_resting(row):
     return math.cos(end) - 1.0 + minus * (TAU - end)
 
 
-@njit("Tuple((f8, f8, f8, b1))(f8[::1], f8[::1], f8, f8, f8, f8)", **OPTIONS)
+@njit(Tuple((float64, float64, float64, boolean))(f1, f1, float64, float64, float64, float64))
 def travels(q, last, phase, w, s, c):
     """Run to the end of the drive period: w there, and the distances travelled forwards and backwards; False if there are too many arcs."""
     ahead, back = 0.0, 0.0
@@ -50,7 +48,7 @@ def travels(q, last, phase, w, s, c):
     return w, ahead, back, False
 
 
-@njit("f8(f8[::1], f8[::1], f8[::1])", **OPTIONS)
+@njit(float64(f1, f1, f1))
 def strobe_point(row, q, last):
     """w at phase 0 of the periodic motion, if break-away is at the sliding friction."""
     if row[2] >= 1.0 and row[3] >= 1.0:
@@ -62,7 +60,7 @@ def strobe_point(row, q, last):
     return travels(q, last, q[away], 0.0, q[away + 2], q[away + 3])[0]
 
 
-@njit("void(f8[:,::1], i8[::1], i8, i8, f8, f8[:,::1], i8[:,::1], f8[:,::1], i1[:,::1])", **CALLED)
+@njit(void(f2, i1, int64, int64, float64, f2, i2, f2, b2))
 def orbits(rows, known, i0, i1, tolerance, out, count, seg_time, seg_code):
     """Cases i0 to i1, rows as for `run`. Where known[i] > 0, row[5] is a strobe point of a motion of that period; else it is found.
 
