@@ -59,22 +59,21 @@ def act(asked: Namespace) -> Outcome:
 def _followed(make: Any, parameter: str, values: list[float], period: int | None, options: dict[str, Any]) -> list[Any]:
     """The branch from the largest value down to the smallest, and the period-doubled branch from its first flip.
 
-    Without a drive it is that of the cycle to which the start leads, from the largest value at which there is one, and it has no doubled
-    one.
+    Without a drive it is that of the cycle to which the start leads, from the largest value at which there is one, downwards and, where
+    there are larger values, upwards to where it ends. It has no doubled one.
     """
     from stickslip.basics.errors import SolveError
     from stickslip.dynamics.continuation.branches import continuation
+    from stickslip.dynamics.continuation.one_parameter import family
 
     fixed = {name: given for name, given in options.items() if name not in _OF_DIAGRAMS}
-    if callable(make) or make.period is not None:
+    if family("continuation", make, (parameter,), fixed).robot(max(values)).period is not None:
         branch = continuation(make, parameter=parameter, start=max(values), stop=min(values), period=period, **fixed)
         return [branch, *([branch.doubled()] if any(s.kind == "flip" for s in branch.special) else [])]
-    first, *others = sorted(values, reverse=True)
-    for start in (first, *others[:-1]):
+    fixed |= {"parameter": parameter, "period": period, "guess": options.get("start")}
+    for start in sorted(values, reverse=True):
         try:
-            return [
-                continuation(make, parameter=parameter, start=start, stop=min(values), period=period, guess=options.get("start"), **fixed)
-            ]
+            return [continuation(make, start=start, stop=stop, **fixed) for stop in (min(values), max(values)) if stop != start]
         except SolveError as error:
             why = error
     raise why
@@ -122,7 +121,8 @@ def _text(study: Any, parameter: str, diagram: Any, branches: list[Any]) -> str:
 
 def _left_out(parameter: str, branches: list[Any]) -> list[str]:
     """A note on the period doublings of the last branch, which are not followed, and on how to follow them."""
-    flips = [s.rounded for s in branches[-1].special if s.kind == "flip"] if len(branches) > 1 else []
+    doubled = bool(branches) and branches[-1].period > branches[0].period
+    flips = [s.rounded for s in branches[-1].special if s.kind == "flip"] if doubled else []
     if not flips:
         return []
     count = branches[-1].period
