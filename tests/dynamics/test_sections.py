@@ -208,7 +208,7 @@ def test_a_cycle_begins_on_the_section_that_is_asked_for(section, turns, state):
     assert branch.orbits[-1].duration == pytest.approx(0.5 / 0.12 + (2 * np.pi - 2 * np.arctan2(far[1], far[0])) / np.sqrt(2.0), rel=1e-11)
 
 
-def test_a_section_of_a_driven_machine_or_of_what_drifts_along_is_refused():
+def test_a_section_of_a_driven_machine_or_of_what_drifts_along_or_a_switch_is_refused():
     robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb")
     pulled = ss.PulledMass(mass=1.0, stiffness=2.0, speed=0.1, friction=COULOMB.friction)
     for model, more, said in [
@@ -216,6 +216,8 @@ def test_a_section_of_a_driven_machine_or_of_what_drifts_along_is_refused():
         (robot, dict(turns=2), "turns is given, and the model has a period"),
         (pulled, dict(section="x"), "which goes on with the spring's far end"),
         (pulled, dict(turns=0), "turns = 0"),
+        (TwoBlocks(0.33, Weakening()), dict(section="stick of b"), "stays where it stuck, so that its switch is no section which a motion"),
+        (COULOMB, dict(section="slip of contact"), "its switch is no section which a motion crosses; name a state"),
     ]:
         with pytest.raises(ss.InputError, match=said):
             ss.periodic_orbit(model, **more)
