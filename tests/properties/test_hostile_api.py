@@ -187,6 +187,7 @@ def examples():
         "servo": (ss.presets.servo, {"kp": 1.0, "ki": 1.0, "kd": 0.1, "target": 0.5, "sample": 0.01, "static": 1.5, "backlash": 0.0}),
         "Spring": (ss.Spring, {"stiffness": 100.0, "damping": 1.0, "length": 0.1, "cubic": 1e6, "clearance": 1e-3}),
         "Stop": (ss.Stop, {"gap": 0.1, "restitution": None, "stiffness": 1e4, "damping": 0.0, "side": 1}),
+        "Point": (ss.Point, {"body": "head", "at": (0.0, 0.1)}), "Angle": (ss.machines.Angle, {"body": "head"}),
         "Body": (ss.Body, {"mass": 1.0, "position": 0.0}), "Contact": (ss.Contact, {"body": "head", "friction": robot.friction}),
         "SwitchingFlow": (ss.SwitchingFlow, {"fields": {0: lambda t, y: y}, "switches": {}, "period": 1.0, "states": ("x",),
              "scales": (1.0,), "numbers": None}),
