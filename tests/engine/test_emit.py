@@ -204,7 +204,7 @@ def test_the_lines_above_hold_every_operation_there_is():
     [
         "_x = _a ** 2.0", "_x = 5 % 2", "_x = 1.0 < 2.0 < 3.0", "_x = _unknown", "_x = sin(1.0)", "_x = as_bits(5)", "_x = not 1.0",
         "_x = 1.0 if 2.0 else 3.0", "_x = True + 1.0", "_x = 1.0 and 2.0", "_x, _y = 1.0, 2.0", "_x = 'text'", "_x = 2 < 3",
-        "if 1.0:\n    _x = 1.0", "_x = math.pi", "_x += 1.0", "_x = 1.0 / True", "_x = -True", "_x = fma(1.0, 2.0)", "_x = _r[0]",
+        "if 1.0:\n    _x = 1.0", "_x = math.tau", "_x += 1.0", "_x = 1.0 / True", "_x = -True", "_x = fma(1.0, 2.0)", "_x = _r[0]",
         "_x = row(5)\n_y = _x[1.0]", "_x = row(1.0)", "for m in range(4):\n    _x = 1.0", "for m in 5:\n    _x = 1.0",
         "for m in range(0, 2.0):\n    _x = 1.0", "for m, n in range(0, 2):\n    _x = 1.0", "_a.b[0] = 1.0", "_x = row(3)\n_x[0] = True",
     ],
