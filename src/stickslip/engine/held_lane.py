@@ -171,7 +171,30 @@ class Side:
         return Image(self.S.copy(), self.shared.memory.copy())
 
 
-class HeldLane:
+class TwoCopies:
+    """What is held twice: one copy is where it stands, the other one a draft of where it goes.
+
+    Attributes
+    ----------
+    first : Side or RowSide
+        Where it begins.
+    """
+
+    first: Any
+    _other: Any
+
+    def empty(self, side: Any) -> Any:
+        """The other copy."""
+        return self._other if side is self.first else self.first
+
+    def draft_of(self, side: Any, now: Any = None) -> Any:
+        """The copy that is not `now` (that is not `side` itself, if it is not given), holding the same as `side`, a copy or an `Image`."""
+        draft = self.empty(side if now is None else now)
+        draft.copy_from(side)
+        return draft
+
+
+class HeldLane(TwoCopies):
     """One case of a kernel that keeps its dense output.
 
     Parameters
@@ -211,16 +234,6 @@ class HeldLane:
         self._other = Side(kernel, row, start, rtol, self.first.pieces)
         self.first.aim(0, 0.0, 1.0)
         self.first.advance(1)  # takes the case, and is there
-
-    def empty(self, side: Side) -> Side:
-        """The other copy."""
-        return self._other if side is self.first else self.first
-
-    def draft_of(self, side: Side | Image, now: Side | None = None) -> Side:
-        """The copy that is not `now` (that is not `side` itself, if it is not given), holding the same as `side`."""
-        draft = self.empty(side if now is None else now)  # type: ignore[arg-type]
-        draft.copy_from(side)
-        return draft
 
     def ahead(self, side: Side, budget: float) -> Array | None:
         """The first step of dense output of the motion that follows, which is not made; None if none does."""

@@ -12,7 +12,7 @@ import numpy as np
 
 from stickslip.basics.contracts import Array
 from stickslip.engine import local_events as kernel
-from stickslip.engine.held_lane import ALL, ENDED, SLICE, THERE, UNDER_WAY, Image
+from stickslip.engine.held_lane import ALL, ENDED, SLICE, THERE, UNDER_WAY, Image, TwoCopies
 
 #: What a row of its dense output is about: a piece of a body, a change of mode, the mode of a body where it begins, or where it ends.
 PIECE, CHANGE, STANCE, END = range(4)
@@ -200,7 +200,7 @@ def rows_of(what: int, bodies: Any, t: Any, values: Any) -> Array:
     return rows
 
 
-class RowLane:
+class RowLane(TwoCopies):
     """A row of many bodies that goes on from where it stands.
 
     Parameters
@@ -231,16 +231,6 @@ class RowLane:
         self.first, self._other = (RowSide(arrays, room, of) for arrays in both)
         self.first.arrays.act(kernel.BEGIN, *room)
         self.first.before = before
-
-    def empty(self, side: RowSide) -> RowSide:
-        """The other copy."""
-        return self._other if side is self.first else self.first
-
-    def draft_of(self, side: RowSide | Image, now: RowSide | None = None) -> RowSide:
-        """The copy that is not `now` (that is not `side` itself, if it is not given), holding the same as `side`."""
-        draft = self.empty(side if now is None else now)  # type: ignore[arg-type]
-        draft.copy_from(side)
-        return draft
 
     def ahead(self, side: RowSide, budget: float) -> Array | None:
         """Dense output of the motion that follows, for a moment."""

@@ -50,3 +50,14 @@ class Angle:
     """
 
     body: str
+
+
+def body_of(end: Any) -> Any:
+    """The body at which a link ends; None is the ground.
+
+    Examples
+    --------
+    >>> body_of("bob"), body_of(Point("wheel", at=(0.0, 0.1))), body_of(None)
+    ('bob', 'wheel', None)
+    """
+    return end.body if isinstance(end, (Point, Angle)) else end

@@ -14,7 +14,7 @@ from stickslip.basics.contracts import Numeric
 from stickslip.basics.maths import cos, sin, sqrt
 from stickslip.basics.time_rates import Moving
 from stickslip.models.linear_equations import product, total
-from stickslip.models.link_ends import Angle, Point
+from stickslip.models.link_ends import Angle, Point, body_of
 from stickslip.models.links_in_time import pull_of, several
 from stickslip.models.said_of_motion import moving
 
@@ -39,8 +39,7 @@ class PlacedLink:
     @cached_property
     def bodies(self) -> tuple[str, ...]:
         """Those that it joins."""
-        named = (end.body if isinstance(end, (Point, Angle)) else end for end in self.ends)
-        return tuple(name for name in named if name is not None)
+        return tuple(name for name in map(body_of, self.ends) if name is not None)
 
     @property
     def turns(self) -> bool:
@@ -59,7 +58,7 @@ class PlacedLink:
             apart = first - second
             tension = self.pull(t, apart.value, apart.rate)
             pulls = zip(self.ends, (product(-1.0, tension), tension), strict=True)
-            return [(_body(end), (0.0, 0.0, pull) if self.turns else (pull, 0.0, 0.0)) for end, pull in pulls if end is not None]
+            return [(body_of(end), (0.0, 0.0, pull) if self.turns else (pull, 0.0, 0.0)) for end, pull in pulls if end is not None]
         (x1, z1), (x2, z2) = (self._point(end, t, places) for end in self.ends)
         x, z = x1 - x2, z1 - z2
         square = x * x + z * z
@@ -68,9 +67,9 @@ class PlacedLink:
         tension = self.pull(t, d, 0.5 * length.rate / d)
         along = product(tension, x.value) / d, product(tension, z.value) / d
         return [
-            (_body(end), self._on(end, places, sign * along[0], sign * along[1]))
+            (body_of(end), self._on(end, places, sign * along[0], sign * along[1]))
             for end, sign in zip(self.ends, (-1.0, 1.0), strict=True)
-            if _body(end) is not None
+            if body_of(end) is not None
         ]
 
     def distance(self, t: Numeric, places: Places) -> Any:
@@ -81,18 +80,18 @@ class PlacedLink:
     def _point(self, end: Any, t: Numeric, places: Places) -> tuple[Moving, Moving]:
         """Where it ends."""
         a, b = _at(end)
-        if _body(end) is None:
+        if body_of(end) is None:
             return _moved(end.at, t) if callable(end.at) else (Moving(a), Moving(b))
-        place = (*places[_body(end)], Moving(0.0))
+        place = (*places[body_of(end)], Moving(0.0))
         x, z = place[0], place[1]
-        if len(places[_body(end)]) < 3:
+        if len(places[body_of(end)]) < 3:
             return x + a, z + b
         c, s = cos(place[2]), sin(place[2])  # type: ignore[arg-type]
         return x + a * c - b * s, z + a * s + b * c
 
     def _on(self, end: Any, places: Places, x: Any, z: Any) -> tuple[Any, Any, Any]:
         """A force at a point, with the torque about the place of its body."""
-        place, (a, b) = places[_body(end)], _at(end)
+        place, (a, b) = places[body_of(end)], _at(end)
         if len(place) < 3:
             return x, z, 0.0
         c, s = cos(place[2].value), sin(place[2].value)
@@ -106,17 +105,13 @@ def _moved(at: Any, t: Numeric) -> tuple[Moving, Moving]:
     return moving(x), moving(z)
 
 
-def _body(end: Any) -> Any:
-    return end.body if isinstance(end, (Point, Angle)) else end
-
-
 def _at(end: Any) -> tuple[Any, Any]:
     return (0.0, 0.0) if not isinstance(end, Point) or callable(end.at) else end.at
 
 
 def _part(end: Any, number: int, places: Places) -> Moving:
     """The angle of an end, or its place along a line; of the ground zero."""
-    return Moving(0.0) if end is None else places[_body(end)][number]
+    return Moving(0.0) if end is None else places[body_of(end)][number]
 
 
 def shares(links: list[PlacedLink], t: Numeric, places: Places) -> dict[str, tuple[Any, Any, Any]]:

@@ -17,6 +17,9 @@ from stickslip.models.machine_adapter import MachineAdapter, is_machine
 from stickslip.models.pushed import force_names
 from stickslip.models.state_layout import StateLayout
 from stickslip.solvers import stopped
+from stickslip.solvers.request import request
+from stickslip.solvers.settings import Request, Settings
+from stickslip.solvers.time_dependence import check_period
 
 FORCE = "force "  # before the name of a force among the numbers
 
@@ -139,8 +142,16 @@ def forces_of(machine: Any) -> dict[str, str]:
     return {name: FORCE + number for name, number in force_names(machine).items()}
 
 
+def request_of_one(machine: Any, start: Any, rtol: float, method: str) -> Request:
+    """What `solve` is asked for over a period, or a second where nothing repeats; `InputError` where a load does not repeat with it."""
+    length: dict[str, Any] = {"periods": 1} if machine.period is not None else {"duration": 1.0}
+    todo = request(machine, Settings(**length, rtol=rtol, start=start, samples=4, method=method))
+    check_period(machine, todo.machine)
+    return todo
+
+
 def check_one_machine(machine: Any, who: str) -> None:
-    """`InputError` for what is not one machine, or has more contacts than a kernel is written for."""
+    """`InputError` for what is not one machine."""
     if not is_machine(machine):
         flows = " or a SwitchingFlow" if who == "simulation" else ""
         allowed = f"allowed is a Robot, a mechanism{'' if flows else ' or'}{',' if flows else ''} a machine of several bodies{flows}"

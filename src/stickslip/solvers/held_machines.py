@@ -18,14 +18,11 @@ from stickslip.models.state_layout import StateLayout
 from stickslip.results.dense_output import PolynomialPieces
 from stickslip.results.events import Event, aloft_of, events_of, flights_of, hits_of
 from stickslip.results.trajectory import Trajectory
-from stickslip.solvers.held_bodies import FORCE, BodiesCase, forces_of
+from stickslip.solvers.held_bodies import FORCE, BodiesCase, forces_of, request_of_one
 from stickslip.solvers.held_cases import Standing, kernel_name, times_of
 from stickslip.solvers.lane_tables import CaseTable
 from stickslip.solvers.methods import method_for
-from stickslip.solvers.request import request
-from stickslip.solvers.settings import Settings
 from stickslip.solvers.stepping import budget_of
-from stickslip.solvers.time_dependence import check_period
 
 _NOBODY = np.zeros(0, bool)
 _LOST = 1e-6  # of the load at the start: what is left of one where a contact is lost
@@ -44,11 +41,9 @@ class MachineCase(BodiesCase):
 
     def __init__(self, machine: Model, start: Any, rtol: float, method: str):
         self._forces, self.is_pushed = forces_of(machine), False
-        length = Settings(periods=1) if machine.period is not None else Settings(duration=1.0)
-        todo = request(machine, replace(length, rtol=rtol, start=start, samples=4, method=method))
-        self._todo, self._start = todo, todo.start
+        self._todo = request_of_one(machine, start, rtol, method)
+        self._start = self._todo.start
         self.asked = {"start": start, "rtol": rtol, "method": method, "mode": None}
-        check_period(machine, todo.machine)
         self._take(machine)
         self._compile()
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,11 +16,8 @@ from stickslip.models.state_layout import StateLayout
 from stickslip.results.events import Event, kind_of
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import local_steps
-from stickslip.solvers.held_bodies import FORCE, BodiesCase, forces_of
+from stickslip.solvers.held_bodies import FORCE, BodiesCase, forces_of, request_of_one
 from stickslip.solvers.held_cases import Standing, kernel_name
-from stickslip.solvers.request import request
-from stickslip.solvers.settings import Settings
-from stickslip.solvers.time_dependence import check_period
 
 _NOBODY = np.zeros(0, bool)
 
@@ -43,11 +39,8 @@ class RowCase(BodiesCase):
 
     def __init__(self, machine: Model, start: Any, rtol: float, method: str):
         self._forces = forces_of(machine)
-        length = Settings(periods=1) if machine.period is not None else Settings(duration=1.0)
-        todo = request(machine, replace(length, rtol=rtol, start=start, samples=4, method=method))
-        check_period(machine, todo.machine)
         self.asked = {"start": start, "rtol": rtol, "method": method, "mode": None}
-        self._start = np.array(todo.start[0], float)
+        self._start = np.array(request_of_one(machine, start, rtol, method).start[0], float)
         self._take(machine, np.zeros(len(machine_of(machine).mechanics.bodies)))
 
     def _take(self, model: Any, pushes: Array) -> None:

@@ -21,13 +21,10 @@ from stickslip.engine.taylor import watched
 from stickslip.engine.values import needed_by
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.pushed import force_names, pushed
-from stickslip.solvers.held_bodies import check_one_machine
+from stickslip.solvers.held_bodies import check_one_machine, request_of_one
 from stickslip.solvers.methods import method_for
 from stickslip.solvers.moments import AHEAD
-from stickslip.solvers.request import request
-from stickslip.solvers.settings import Settings
 from stickslip.solvers.stepping import budget_of
-from stickslip.solvers.time_dependence import check_period
 
 FIXED, TUNABLE, INPUT = range(3)  # what a number may do: change before a run, between steps, or as an input
 
@@ -124,10 +121,8 @@ def machine_in_c(
     forces = force_names(machine)
     by_number = {number: name for name, number in reversed(forces.items())}  # the shortest name of each comes first there
     asked = _asked_inputs(machine, inputs, forces, by_number, who)
-    length = Settings(periods=1) if machine.period is not None else Settings(duration=1.0)
     try:
-        todo = request(machine, replace(length, rtol=rtol, start=start, samples=4, method=method))
-        check_period(machine, todo.machine)
+        todo = request_of_one(machine, start, rtol, method)
         is_pushed = any(name in forces for name in asked)
         model = pushed(machine) if is_pushed else machine
         _check_compiles(machine, todo.machine.laws, who)

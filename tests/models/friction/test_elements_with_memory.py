@@ -28,7 +28,7 @@ def clipped(limits, force, omega, periods, steps=4000):
     return x, v
 
 
-@pytest.mark.parametrize("limits", [(0.1,), (0.05, 0.1, 0.2, 0.4)], ids=len)
+@pytest.mark.parametrize("limits", [(0.1,), pytest.param((0.05, 0.2), marks=pytest.mark.slow), (0.05, 0.1, 0.2, 0.4)], ids=len)
 def test_elements_with_memory_move_as_clipped_ones(limits):
     force, omega = np.array([0.3, 0.9, 0.3, 0.06]), np.array([0.7, 0.4, 1.3, 1.7])
     x, v = clipped(limits, force, omega, periods=40)

@@ -166,9 +166,3 @@ def arc(q, last, phase, w, s, c):
         if q[away] > phase and q[away] < new:
             new, s, c = q[away], q[away + 2], q[away + 3]
     return new, 0.0, s, c, 0.0, 0
-
-
-@njit(Tuple((float64, float64, float64, float64, float64, int64))(f1, f1, float64, float64, float64, float64))
-def one_arc(q, last, phase, w, s, c):
-    """The same, not inlined."""
-    return arc(q, last, phase, w, s, c)

@@ -29,7 +29,7 @@ def observe(q, row, last, w, periods, seg_time, seg_code, out):
         phase, s, c = 0.0, 0.0, 1.0
         for _ in range(STEPS):
             start, v, s0, c0 = phase, w, s, c
-            phase, w, s, c, moved, mode = one_arc(q, last, phase, w, s, c)
+            phase, w, s, c, moved, mode = arc(q, last, phase, w, s, c)
             x += moved
             if mode * before == -1 and v == 0.0:
                 margin = min(margin, force_margin(q, row, s0))

@@ -151,7 +151,7 @@ def record(row, state, n, periods, number, arcs, mode):
         phase, s, c, steps = 0.0, 0.0, 1.0, 0
         while phase < TAU:
             number[i], arcs[i, 0], arcs[i, 1], arcs[i, 2] = n, phase, x, w
-            phase, w, s, c, moved, mode[i] = one_arc(q, last, phase, w, s, c)
+            phase, w, s, c, moved, mode[i] = arc(q, last, phase, w, s, c)
             x, excess = add(x, excess, moved)
             i, steps = i + 1, steps + 1
             if steps >= STEPS:

@@ -38,7 +38,7 @@ def travels(q, last, phase, w, s, c):
     """Run to the end of the drive period: w there, and the distances travelled forwards and backwards; False if there are too many arcs."""
     ahead, back = 0.0, 0.0
     for _ in range(STEPS):
-        phase, w, s, c, moved, mode = one_arc(q, last, phase, w, s, c)
+        phase, w, s, c, moved, mode = arc(q, last, phase, w, s, c)
         if mode > 0:
             ahead += moved
         elif mode < 0:

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from stickslip.basics.maths import cos, sin
 from stickslip.models.friction.law_adapter import TINY
-from stickslip.models.link_ends import Point
+from stickslip.models.link_ends import Point, body_of
 from stickslip.solvers.plain.jets import Jet, coordinates, lifted
 from stickslip.solvers.plain.kinks import Watching, noting
 
@@ -247,7 +247,7 @@ class OwnRoute:
         by: Floats = [0.0] * n
         borne = self._borne(i)
         for link, tension, apart in zip(self.mechanics.placed_links, state.tensions, state.shape.apart, strict=True):
-            held = [_body_of(end) in borne for end in link.ends]
+            held = [body_of(end) in borne for end in link.ends]
             need = need + (held[0] - held[1]) * tension * (normal[0] * apart.x + normal[1] * apart.z)
         for name in borne:
             mass, place, forces = self.mechanics.placed[name].mass, state.shape.places[name], state.forces[name]
@@ -309,16 +309,12 @@ def _apart(link: Any, t: float, places: dict[str, list[Jet]], n: int) -> _Apart:
     return _Apart(distance, x.value / distance.value, z.value / distance.value)
 
 
-def _body_of(end: Any) -> Any:
-    return end if end is None or isinstance(end, str) else end.body
-
-
 def _end(end: Any, t: float, places: dict[str, list[Jet]], n: int) -> tuple[Any, Any, Any]:
     """Where a link ends in x and z, which may be a line without heights, and at what angle."""
     nothing = lifted(0.0, n)
     if end is None:
         return nothing, None, nothing
-    body = end if isinstance(end, str) else end.body
+    body = body_of(end)
     if body is None:
         x, z = end.at(Jet(t, [0.0] * n, 1.0, 0.0)) if callable(end.at) else end.at
         return lifted(x, n), lifted(z, n), nothing
