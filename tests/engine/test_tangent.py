@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,8 +18,9 @@ import stickslip as ss
 from problems import chain, module
 from rows import each_row
 from stickslip.basics.fields import leaves, replace_leaf
-from stickslip.dynamics.derivatives.slopes import number_slopes
+from stickslip.dynamics.derivatives.slopes import number_slopes, start_changes
 from stickslip.dynamics.derivatives.tangents import changes_along, jacobian_of
+from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, flow_map, state_at_rest, strobe_map
 from stickslip.engine import taylor
 from stickslip.engine.tangent import tangent
@@ -186,6 +188,38 @@ def test_laws_with_inner_states_go_the_same_way():
 
     found = ss.dynamics.sensitivity(machine, wrt="drive.amplitude")
     assert found.mean_velocity[0] * 6e-4 == pytest.approx(float(richardson(V, 1e-4)[0]), rel=1e-6)
+
+
+class Bent(ss.LuGre):
+    """Bristles that the load has bent before a run begins."""
+
+    def start(self, load):
+        return self.mu_plus * load / self.sigma0
+
+
+@dataclass(frozen=True, eq=False)
+class Pressed(ss.Machine):
+    """Two bodies; where the second stands decides how strongly it is pressed down."""
+
+    stiffness: float
+    gap: float
+    friction: Any
+
+    def bodies(self):
+        return {"cam": ss.Body(1.0, position=self.gap), "pad": ss.Body(1.0, position=2.0 * self.gap)}
+
+    def contacts(self):
+        return {"pad": ss.Contact("pad", self.friction, load=lambda t, x: self.stiffness * x)}
+
+
+@each_row("start", [{}, {"x": {"cam": 0.1}}, {"x": {"pad": 0.7}, "v": {"cam": 1.0}}, {"z": {"pad": 1e-3}}])
+def test_a_run_begins_to_change_where_it_begins(start):
+    """Positions that are asked for stay; bristles that nobody asked for are those of the load there."""
+    machine, h = Pressed(30.0, 0.2, Bent.example()), 1e-4
+    found = start_changes(machine, start, {name: np.eye(3)[i] for i, name in enumerate(("stiffness", "gap", "friction.sigma0"))}, 3)
+    for row, (name, value) in zip(found, (("stiffness", 30.0), ("gap", 0.2), ("friction.sigma0", machine.friction.sigma0)), strict=True):
+        above, below = (states_of(start or None, machine.replace({name: value * (1 + step)}))[0] for step in (h, -h))
+        assert np.allclose(row, (above - below) / (2 * h * value), rtol=1e-7, atol=1e-13), name
 
 
 def test_a_body_that_may_stand_anywhere_says_so():

@@ -87,6 +87,7 @@ def slips_of(eq: System, guard: Sym) -> list[TracedContact]:
 class _SeriesWriter:
     def __init__(self, eq: System):
         self.eq, self.w = eq, Writer()
+        self._held: set[int] = set()  # numbers of the expressions that `_hold` has been given
         self.watched = [(k, eq.guards[k]) for k in watched(eq)]
         self.rising = active(eq, "exp") | active(eq, "tanh")
         self.quotients = active(eq, "reciprocal")
@@ -123,8 +124,9 @@ class _SeriesWriter:
 
     def _hold(self, node: Sym | None) -> None:
         """Have the case's part of an expression computed once for each case."""
-        if node is None or node.op == "constant":
+        if node is None or node.op == "constant" or node.number in self._held:
             return
+        self._held.add(node.number)
         if node.level == CASE:
             self.w.value(node, {})
         else:

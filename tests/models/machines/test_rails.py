@@ -117,6 +117,23 @@ def test_energy_on_a_rail_is_balanced_to_rounding():
     assert np.max(abs(ss.energy(ss.solve(POLE, duration=4.0, start=START)).residual)) < 1e-13
 
 
+def test_gradients_on_a_rail_are_those_of_runs_beside():
+    """Central differences with Richardson's extrapolation; the run begins where it was asked to, through slip, stick and break-away."""
+    pole = CartPole(M, BOB, LENGTH, ss.Coulomb(MU, 1.2 * MU))
+    run = ss.solve(pole, duration=2.0, start=START)
+    found = ss.dynamics.sensitivity(run, wrt=["cart", "length", "friction.mu_plus"])
+    assert len(run.events) > 2 and found.velocity == pytest.approx(run.mean_velocity, rel=1e-13)
+    for i, name in enumerate(found.names):
+
+        def end(h, name=name, value=found.values[i]):
+            moved = ss.solve(pole.replace({name: value + h}), duration=2.0, start=START)
+            return np.r_[moved.mean_velocity, moved.v[-1], moved.x[-1, 1]]
+
+        one, half = ((end(h) - end(-h)) / (2 * h) for h in (1e-4 * found.values[i], 5e-5 * found.values[i]))
+        exact = np.r_[found.mean_velocity[i], found.state[i]]
+        assert np.max(abs(exact - (4 * half - one) / 3)) < 1e-9 * np.max(abs(exact))
+
+
 @each_row("wedge, block, slope, mu", [(2.0, 0.5, 0.5, 0.2), (0.4, 1.3, 0.9, 0.35), (5.0, 0.1, 0.3, 0.0)])
 def test_a_block_on_a_wedge_goes_as_in_closed_form(wedge, block, slope, mu):
     """N = m g cos a / (1 + (m/M) sin a (sin a - mu cos a)), and both accelerations by it."""

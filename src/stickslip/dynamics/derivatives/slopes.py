@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.batch import numbers_by_name
+from stickslip.basics.batch import labels_of, numbers_by_name
 from stickslip.basics.contracts import Array, Model
+from stickslip.basics.errors import Problems
 from stickslip.basics.fields import replace_leaf
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 from stickslip.engine.graphs import Along
@@ -20,6 +21,7 @@ from stickslip.engine.symbols import Graph, Sym
 from stickslip.engine.tangent import part_in
 from stickslip.engine.values import values_of
 from stickslip.models.machine_adapter import machine_of
+from stickslip.solvers.initial_states import start_states
 
 _functions: Remembered[_Functions] = Remembered()
 
@@ -76,8 +78,10 @@ def start_changes(model: Model, start: dict[str, Any], along: dict[str, Array], 
     held = {m.coordinate_of(body) for body in placed}
     owners = [name for name, law in zip(m.contacts, m.laws, strict=True) for _ in range(law.states)]
     q = [0.0 * d if j in held else d for j, d in enumerate(slopes.of(_start))]
-    z = [0.0 * d if name in bent else d for name, d in zip(owners, slopes.of(_inner_starts), strict=True)]
-    on, given = slopes.of(_control_starts, start), _given(start.get("control"), m.controllers.names)
+    first = start_states(model, labels_of(model), start or None, Problems("start"))[0].tolist()
+    there = tuple(x if j in held else None for j, x in enumerate(first[: len(q)])), tuple(first[len(q) : 2 * len(q)])
+    z = [0.0 * d if name in bent else d for name, d in zip(owners, slopes.of(_inner_starts, *there), strict=True)]
+    on, given = slopes.of(_control_starts, *there), _given(start.get("control"), m.controllers.names)
     owners = [name for name, count in zip(m.controllers.names, m.controllers.counts, strict=True) for _ in range(count)]
     z += [0.0 * d if name in given else d for name, d in zip(owners, on, strict=True)]
     return np.column_stack(at.order.joined(q, [np.zeros(cases)] * len(q), z))
@@ -93,24 +97,21 @@ def _start(machine: Any) -> Any:
     return machine.mechanics.start
 
 
-def _inner_starts(machine: Any) -> list[Any]:
-    """Inner states of contacts that nobody has moved."""
+def _placed(machine: Any, q: tuple[float | None, ...]) -> tuple[Any, ...]:
+    """The positions that a start says, and the machine's own where it says none."""
+    return tuple(own if given is None else given for given, own in zip(q, machine.mechanics.start, strict=True))
+
+
+def _inner_starts(machine: Any, q: tuple[float | None, ...], u: tuple[float, ...]) -> list[Any]:
+    """Inner states of contacts that nobody has moved, under the loads where a run begins."""
     mechanics = machine.mechanics
-    loads = mechanics.loads(0.0, mechanics.start)
+    loads = mechanics.loads(0.0, _placed(machine, q), u)
     return [z for law, load in zip(mechanics.laws, loads, strict=True) for z in law.start(load)]
 
 
-def _control_starts(machine: Any, start: dict[str, Any]) -> list[Any]:
+def _control_starts(machine: Any, q: tuple[float | None, ...], u: tuple[float, ...]) -> list[Any]:
     """States of controllers that are switched on where a run begins."""
-    m = machine.mechanics
-    first = m._named(0.0, m.start, (0.0,) * m.coordinates)
-    x, v = ({**by_name, **_by_name(start.get(what), m.bodies)} for what, by_name in zip("xv", first, strict=True))
-    return list(m.controllers.start(0.0, x, v))
-
-
-def _by_name(values: Any, names: tuple[str, ...]) -> dict[str, Any]:
-    """The start values of the bodies."""
-    return {} if values is None else values if isinstance(values, dict) else dict(zip(names, np.moveaxis(values, -1, 0), strict=True))
+    return list(machine.mechanics.control_start(0.0, _placed(machine, q), u))
 
 
 def period_of(machine: Any) -> list[Any]:
