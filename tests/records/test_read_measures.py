@@ -265,3 +265,13 @@ def test_volts_ask_for_a_sensitivity():
     rec = ss.Record.of(t, {"LDV [V]": np.sin(80 * np.pi * t)})
     with pytest.raises(ss.InputError, match=r'scale=\{"LDV": "100 mm/s/V"\}'):
         _ = rec.mean_velocity
+
+
+def test_a_body_at_rest_is_said_to_be_at_rest():
+    """Such records came from a chain, one module of which stood still: they ended in sentences on spectra and on bounds."""
+    rec = ss.Record.of(np.arange(400) / 100, {"v [m/s]": np.zeros(400)})
+    with pytest.raises(ss.InputError, match="'v' is 0 at all 400 samples: nothing moves, and no frequency can be read of it; measure"):
+        rec.drive_frequency()
+    for known in ({}, {"frequency": 5.0}):
+        with pytest.raises(ss.InputError, match=r"'v'.* is 0 at all 400 samples: nothing moves"):
+            ss.identify(rec, ss.presets.piezo_rig, free={"mu0": (0.05, 0.4)}, tilt_deg=1.7, amplitude=5e-4, law="coulomb", **known)

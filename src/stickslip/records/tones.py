@@ -87,6 +87,13 @@ def measured_samples(c: Any) -> tuple[Any, Any]:
     return t[rises], y[rises]
 
 
+def refuse_constant(name: str, y: Array, why: str = "no frequency can be read of it") -> None:
+    """`InputError` where all values are equal: a record of rest has neither a frequency nor numbers of a motion."""
+    if not np.ptp(y) > 0:
+        what = f"{name} is {y[0]:g} at all {len(y)} samples: nothing moves, and {why}"
+        raise InputError("record", [f"{what}; measure a stronger drive, or another body, or name the channel that moves"])
+
+
 def _without_drift(t: Array, y: Array) -> Any:
     """Values less the straight line through them."""
     T, Y = (t - t.mean()) / np.ptp(t), y - y.mean()
@@ -140,6 +147,7 @@ def drive_frequency(rec: Any, about: float | None = None) -> Frequency:
 def _strongest(name: str, t: Array, y: Array, about: float | None) -> Frequency:
     """The strongest line of these samples, refined."""
     about = None if about is None else given_frequency(about, "about")
+    refuse_constant(repr(name), y)
     drifting = _without_drift(t, y)
     lines, amplitude = amplitudes(t, drifting)
     near = (lines > 1.5 / np.ptp(t)) if about is None else abs(lines / about - 1) < 0.1

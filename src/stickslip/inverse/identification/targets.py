@@ -22,7 +22,7 @@ from stickslip.records.given import given_frequency
 from stickslip.records.measures import LONGEST, mean_velocity, period_number_of
 from stickslip.records.overview import noise
 from stickslip.records.settling import settled
-from stickslip.records.tones import measured_samples
+from stickslip.records.tones import measured_samples, refuse_constant
 
 _ROTARY = {what: SI[what] for what in ("angle", "angular velocity")}
 
@@ -156,6 +156,7 @@ def target(
     t, y = measured_samples(rec[kind])
     own = weights_at(rec, t)
     t, y, own = t[own > 0], y[own > 0], own[own > 0]
+    refuse_constant(f"{rec[kind].name!r} of {label}", y, "no number can be fitted to it")
     many = len(t) > MOST and "weight" not in rec and kind == "velocity" and not transient
     clipped, cut = sides_of(y), None
     if many and np.any(clipped):  # an average of clipped samples is nothing
