@@ -37,10 +37,14 @@ class Status(IntEnum):
     CHATTERS = 9, "its switches accumulate: it chatters, or comes to rest in ever shorter jumps"
     RETURNED = 10, "came back to the section"
     UNBRAKED = 11, "the friction of a contact no longer acts against its slip, so that no force that holds it follows"
+    PAINLEVE = 12, "friction presses back on its contact so strongly that no load, or more than one, follows from the motion (Painlevé)"
     FAILED = 100, "error in the law or the solver for this case"
     NOT_COMPUTED = 101, "not computed"
     FILLED = 102, "not computed: filled from computed neighbours of one motion type"
 
+
+#: Where equations end, and a run with them, which keeps what it has come to.
+ENDS = frozenset({Status.LOST, Status.PAINLEVE})
 
 #: What a status code says, of all that there are.
 STATUS: dict[int, str] = {int(status): status.sentence for status in Status}

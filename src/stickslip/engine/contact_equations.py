@@ -18,6 +18,7 @@ from stickslip.models.friction.law_adapter import LawAdapter
 from stickslip.models.mechanics import brakes_one
 
 _UNPRESSED = 1e-12  # of the force that gives a mass the velocity scale in a period: a load that is none
+_BESIDE = 1e-12  # how far beside the border where loads are infinite a run ends: nothing that is infinite has a series
 _NEAR = 1e-15  # of the velocity scale: what rounding makes of a slip that is a difference, and that begins without acceleration
 
 
@@ -197,6 +198,18 @@ def loads_that_end(parts: Assembly, i: int) -> list[Sym]:
         return [m.load(i, 1.0) + least]
     one, mode = m.graph.constant(1.0), parts.modes[i]
     return [m.graph.select(-side * mode, one, m.load(i, side) + least) for side in (1.0, -1.0)]
+
+
+def borders_of_loads(parts: Assembly, i: int) -> list[Sym]:
+    """What is positive as long as one load of a contact follows from its motion, at rest to either side; nothing where it is given."""
+    m, borders = parts.m, []
+    slip, one, mode = parts.slip(i), m.graph.constant(1.0), parts.modes[i] if i < len(parts.modes) else None
+    for side in (1.0, -1.0):
+        m.graph.assumed[slip.number] = side
+        decides = m.equations.decides(i, m.t, m.places, m.laws[i].sliding(slip, 1.0)) if m.of_motion[i] and not m.laws[i].dynamic else None
+        borders += [] if decides is None else [m.graph.select(-side * mode, one, m.lift(decides) - _BESIDE)]
+    m.graph.assumed.clear()
+    return borders
 
 
 def add_stop(parts: Assembly, stop: Any) -> None:

@@ -13,7 +13,7 @@ from stickslip.basics.fields import replace_leaf
 from stickslip.basics.maths import maximum, pi
 from stickslip.basics.status import Status
 from stickslip.engine.as_written import check_as_written
-from stickslip.engine.contact_equations import Assembly, add_contacts, add_stop, loads_that_end
+from stickslip.engine.contact_equations import Assembly, add_contacts, add_stop, borders_of_loads, loads_that_end
 from stickslip.engine.law_checks import explained
 from stickslip.engine.observed import Observed, with_signals
 from stickslip.engine.refused import refused
@@ -108,6 +108,7 @@ def _traced(model: Model, cyclic: bool, observe: Observed, noted: bool = False) 
     for i in range(len(m.laws)):
         if m.loads[i].level >= STATE and not m.laws[i].flies:  # one that jumps at known instants counts too
             parts.events += [(load, {}, {}, Status.LOST) for load in loads_that_end(parts, i)]
+        parts.events += [(border, {}, {}, Status.PAINLEVE) for border in borders_of_loads(parts, i)]
     guards = (*graph.guards, *(guard for guard, *_ in parts.events))
 
     def switch(modes: dict[int, Sym], states: dict[int, Sym], status: int = 0) -> TracedSwitch:

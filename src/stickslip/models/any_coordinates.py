@@ -23,7 +23,7 @@ from stickslip.models.linear_equations import product, solved, total
 from stickslip.models.mechanics import SOME, Mechanics, Numbers
 from stickslip.models.placed_contacts import PlacedContact
 from stickslip.models.placed_links import PlacedLink, links_of, shares
-from stickslip.models.rails import pressed_while_sliding
+from stickslip.models.rails import decides, pressed_while_sliding
 from stickslip.models.said_of_motion import Energies, inertia_of_machine, kinetic_of_machine, moving, places_of_machine
 
 GRAVITY = 9.81  # of a machine that does not say its own [m/s^2]
@@ -188,6 +188,10 @@ class AnyCoordinates(Mechanics):
         """Of each contact, whether its load follows from the motion."""
         held = tuple(contact.is_held for contact in self.touching)
         return held if any(held) else ()
+
+    def decides(self, i: int, t: Numeric, q: Numbers, per_load: Any) -> Any:
+        """Positive as long as one load of a contact follows from the motion, under friction of `per_load` for each newton of it."""
+        return decides(self, i, t, q, per_load) if self.touching[i].is_held else None
 
     def difference(self, i: int) -> bool:
         """Whether several coordinates decide a slip."""

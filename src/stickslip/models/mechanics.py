@@ -125,6 +125,13 @@ class Mechanics(Protocol):
         """Normal force on one contact [N]."""
         return self.loads(t, q, u, z)[i]
 
+    def decides(self, i: int, t: Numeric, q: Numbers, per_load: Any) -> Any:
+        """Positive as long as one load of a contact follows from the motion, under friction of `per_load` for each newton of it.
+
+        None of a contact whose load is given.
+        """
+        return None
+
     def positions(self, t: Numeric, q: Numbers) -> tuple[Any, ...]:
         """Position of each body [m]."""
         return tuple(q)

@@ -4,7 +4,8 @@ r"""Rails: the normal force on a contact that holds a body on both sides, from t
 
 where n is the normal of the rail, the sum is over the bodies that it bears, with their weights among the forces F, and R is the
 friction force of the rail itself, which changes accelerations. While it slips, R = b N with the law's friction b for a load of one, so that
-:math:`N = |\lambda_0| / (1 + b\,C \operatorname{sign} \lambda_0)`; at rest R is what holds it.
+:math:`N = |\lambda_0| / (1 + b\,C \operatorname{sign} \lambda_0)`; at rest R is what holds it. This is the only load as long as
+:math:`|b\,C| < 1`. Beyond, a rod that slides on its foot has none or several (Painlevé's paradox), and a run ends.
 """
 
 from __future__ import annotations
@@ -61,6 +62,15 @@ def yielding(mechanics: Any, i: int, t: Numeric, q: Numbers) -> Any:
             gained = total(product(slope[name][part], of) for slope, of in zip(slopes, a, strict=True))
             terms.append(product(along, product(mechanics.placed[name].mass, gained)))
     return total(terms)
+
+
+def decides(mechanics: Any, i: int, t: Numeric, q: Numbers, per_load: Any) -> Any:
+    """Positive as long as one load, and no other, follows from the motion, under a friction force of `per_load` for each newton of it.
+
+    A rail may press on either side, N = s lambda0 / (1 + s b C) with s = 1 or -1: where |b C| >= 1 both sides give a load, or none does.
+    """
+    back = per_load * yielding(mechanics, i, t, q)
+    return 1.0 - back * back
 
 
 def pressed_while_sliding(mechanics: Any, i: int, t: Numeric, q: Numbers, u: Numbers, z: Numbers | None) -> Any:

@@ -14,14 +14,14 @@ from stickslip.basics.coded_words import CodedWords
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import SolveError
 from stickslip.basics.interruption import look
-from stickslip.basics.status import STATUS, Status, interrupted_at
+from stickslip.basics.status import ENDS, STATUS, Status, interrupted_at
 from stickslip.results.steadiness import STEADY, UNKNOWN, mean_tolerance, steadiness_codes
 from stickslip.results.summary import Columns, Summary
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers.part_results import OF_TYPE, RawParts, columns_of_parts, of_own_parts, per_case, typed_contacts
 from stickslip.solvers.request import provenance
 from stickslip.solvers.settings import Request
-from stickslip.solvers.stopped import FAILURES, LOST
+from stickslip.solvers.stopped import FAILURES, remedy as remedy_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,7 +190,7 @@ def trajectory(todo: Request, method: str, pieces: Any, counts: dict[str, Any], 
     if status == Status.NOT_COMPUTED and len(pieces.mode) == 0:
         look()
     if len(pieces.mode) == 0 or not pieces.t[-1] > pieces.t[0]:
-        remedy = LOST if status == Status.LOST else "give a longer run or other numbers"
+        remedy = remedy_of(status, todo.rtol, False) if status in ENDS else "give a longer run or other numbers"
         raise SolveError(f"the run ended at its start, t = {float(pieces.t[0]):.6g} s: {STATUS[status]}; {remedy}")
     tolerance = None if method == "exact" else todo.rtol
     if todo.duration is not None and pieces.t[-1] > todo.duration:

@@ -12,7 +12,7 @@ import numpy as np
 from stickslip.basics.arguments import explains_arguments
 from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError
-from stickslip.basics.status import Status
+from stickslip.basics.status import ENDS, Status
 from stickslip.engine.held_lane import Image
 from stickslip.models.crossings import Crossing
 from stickslip.models.model_adapter import adapter_of
@@ -195,7 +195,7 @@ class Simulation:
         now = self.now
         end = end_of(now.t, dt, until)
         given = {} if inputs is None else changes_in(now, inputs)
-        if now.status == Status.LOST:
+        if now.status in ENDS:
             return self.state
         moment = after_step(now if self._record else now._replace(kept=None), end, dt, given, stop_at_events, self._record or self._watches)
         moment = self._with_named(moment, now.kept) if self._watches else moment

@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.basics.contracts import Model, Numeric
 from stickslip.basics.errors import SolveError
 from stickslip.basics.pool import shared
-from stickslip.basics.status import Status
+from stickslip.basics.status import ENDS, Status
 from stickslip.engine import lanes, law_checks as checks
 from stickslip.engine.kernels.columns import SEGS as SEGMENTS
 from stickslip.engine.slaved import Series
@@ -53,12 +53,12 @@ def run(todo: Request, tableau: Tableau | Series | None, rtol: float) -> Traject
     if status == Status.NOT_COMPUTED:
         pieces = _pieces(results.pieces, kernel, table, todo.periods)
         return trajectory(todo, method, pieces, {"steps": len(pieces.mode)}, status)
-    if status > Status.REPEATS and status != Status.LOST:
+    if status > Status.REPEATS and status not in ENDS:
         checks.check_numbers(todo.model)
         t = (float(results.pieces[-1, 0]) * table.span[0] + float(results.pieces[-1, 2])) if len(results.pieces) else 0.0
         raise SolveError(_stopped(todo, results, kernel, table, 0, t, results.pieces[:, 4 : 4 + kernel.contacts]), status)
     counts = {"steps": int(results.accepted[0]), "rejected": int(results.rejected[0])}
-    return trajectory(todo, method, _pieces(results.pieces, kernel, table, todo.periods), counts, status if status == Status.LOST else 0)
+    return trajectory(todo, method, _pieces(results.pieces, kernel, table, todo.periods), counts, status if status in ENDS else 0)
 
 
 def _stopped(todo: Request, results: lanes.Results, kernel: lanes.Kernel, table: CaseTable, case: int, t: float, sides: Any) -> str:

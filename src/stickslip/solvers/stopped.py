@@ -19,6 +19,10 @@ _SMOOTHER = (
     "duration= or periods= to before this instant"
 )
 LOST = "Nothing presses the body on its track there: give a smaller vertical vibration, more gravity or another phase of the drive"
+PRESSES_BACK = (
+    "What rigid bodies do there is not told by Coulomb's friction: give a smaller friction coefficient or another start, or a load= that "
+    "does not follow from the motion"
+)
 STIFF = (
     "So many steps are taken where something is much faster than the rest, as a current, a stiff bristle or a controller is: type "
     'method="radau", whose steps do not follow it, or method="auto"'
@@ -71,6 +75,8 @@ def remedy(status: int, rtol: float, stops: bool) -> str:
     """A suggestion after a failed run."""
     if status == Status.LOST:
         return LOST
+    if status == Status.PAINLEVE:
+        return PRESSES_BACK
     if stops:
         return _STOPS
     if status == Status.CHATTERS:

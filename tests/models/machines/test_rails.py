@@ -13,7 +13,8 @@ from scipy.integrate import solve_ivp
 import stickslip as ss
 from cart_poles import CartAndBob
 from rows import each_row
-from stickslip.basics.errors import InputError
+from stickslip.basics.errors import InputError, SolveError
+from stickslip.basics.status import Status
 from stickslip.maths import cos, sin
 
 M, BOB, LENGTH, G, MU = 1.0, 0.8, 0.5, 9.81, 0.1
@@ -150,6 +151,53 @@ def test_a_block_stays_on_a_wedge_that_is_not_steep():
     run = ss.solve(Wedge(2.0, 0.5, 0.2, ss.Coulomb(0.3, 0.3)), duration=1.0)
     assert np.all(run.contacts["face"].mode == 0) and np.allclose(run.x, 0.0, rtol=0, atol=1e-15)
     assert np.allclose(run.contacts["face"].load, 0.5 * G * np.cos(0.2), rtol=1e-13)
+
+
+@dataclass(frozen=True, eq=False)
+class Rod(ss.Machine):
+    """A uniform rod that slides on its foot, which a rail holds; the angle is that above the rail."""
+
+    half: float
+    friction: Any
+    coordinates = ("x", "angle")
+    time_scale, velocity_scale = 0.5, 1.0
+
+    def bodies(self):
+        return {"rod": ss.Body(1.0, inertia=self.half**2 / 3)}
+
+    def places(self, t, q):
+        return {"rod": (q["x"] + self.half * cos(q["angle"]), self.half * sin(q["angle"]), q["angle"])}
+
+    def contacts(self):
+        return {"foot": ss.Contact("rod", self.friction, at=(-self.half, 0.0), hold="both")}
+
+
+@each_row(
+    "mu, angle, rate, which",
+    [(1.5, 1.5, -1.0, 1), (1.5, 0.8, 9.0, -1), (1.34, 1.5, -1.0, 1), (3.0, 0.3, 9.0, -1)],
+)  # fmt: skip
+def test_a_rod_that_slides_is_inconsistent_from_the_angle_of_painleve_on(mu, angle, rate, which):
+    """Where 1 + 3 cos^2 a = 3 mu sin a cos a, whichever way it slips: beyond, no load follows, or two."""
+    border = np.arctan((3 * mu + which * np.sqrt(9 * mu**2 - 16)) / 2)
+    for slip in (3.0, -3.0):
+        start = {"x": {"angle": angle}, "v": {"x": slip, "angle": rate}}
+        run = ss.solve(Rod(0.5, ss.Coulomb(mu, mu)), duration=0.5, start=start)
+        last = run.coordinates["angle"][-1] % np.pi
+        assert run.status == Status.PAINLEVE.sentence and "Painlevé" in run.status and run.t[-1] < 0.5
+        assert min(abs(last - border), abs(np.pi - last - border)) < 1e-9
+    judge = ss.solve(Rod(0.5, ss.Coulomb(mu, mu)), duration=0.5, start=start, method="dop853", rtol=1e-12)
+    assert judge.status == run.status and judge.t[-1] == pytest.approx(run.t[-1], abs=1e-10)
+
+
+def test_below_four_thirds_a_rod_slides_at_any_angle_and_beyond_it_a_run_begins_nowhere():
+    """The border is 63.4349 degrees there, where tan a = 2; a batch has a status for each case."""
+    start = {"x": {"angle": 1.5}, "v": {"x": 3.0, "angle": -1.0}}
+    mu = np.array([4 / 3 - 1e-6, 4 / 3 + 1e-6])
+    assert ss.solve(Rod(0.5, ss.Coulomb(mu, mu)), duration=0.3, start=start).status.tolist() == [Status.FINISHED, Status.PAINLEVE]
+    start["x"]["angle"] = np.arctan(2.0)
+    for method in ("auto", "dop853"):
+        with pytest.raises(SolveError, match=r"at its start.*Painlevé.*smaller friction coefficient"):
+            ss.solve(Rod(0.5, ss.Coulomb(1.34, 1.34)), duration=0.3, start=start, method=method)
 
 
 def both(self):

@@ -67,8 +67,8 @@ def _solved(todo: Request, model: Model, i: int) -> dict[str, Any]:
     """The results of one case; one that fails has a status."""
     try:
         run = marched(todo, model, i)
-        if run.lost:
-            return {**_nothing(model), "status": Status.LOST, "failure": run.message(Status.LOST)}
+        if run.ended:
+            return {**_nothing(model), "status": run.ended, "failure": run.message(run.ended)}
         return reduced(todo, model, run.pieces(), i)
     except SolveError as error:
         return {**_nothing(model), "status": Status.TOO_SMALL if error.status is None else error.status, "failure": str(error)}

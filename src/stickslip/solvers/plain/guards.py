@@ -14,8 +14,9 @@ NOTHING = 1e-100  # a velocity that a body at rest gets from the least velocity 
 class Guard(NamedTuple):
     """One of them.
 
-    `sort` is "slip" (a slip velocity comes to zero), "load", "take-off" or "landing" of a contact that flies, "switch" of a memory, "limit"
-    of what a resting row can bear, "gap" of an open stop, or "kink" of forces or loads; `part` and `which` say of what.
+    `sort` is "slip" (a slip velocity comes to zero), "load", "take-off" or "landing" of a contact that flies, "border" of the places
+    where one load follows from the motion, "switch" of a memory, "limit" of what a resting row can bear, "gap" of an open stop, or
+    "kink" of forces or loads; `part` and `which` say of what.
     """
 
     sort: str
@@ -37,6 +38,7 @@ def guards(e: Equations, t: float, y: Array, mode: ContactModes) -> list[Guard]:
         if side
     ]  # fmt: skip
     guards += [_of_load(e, y, mode, i, load) for i, load in enumerate(e.least_loads(t, y, mode))]
+    guards += [Guard("border", i, 0, border, 0.0) for i, border in e.borders(t, y, mode).items()]
     for i, load in enumerate(e.kept_positive(loads)):
         if e.laws[i].switching:
             guards += [Guard("switch", i, n, float(guard), 0.0) for n, (guard, _, _) in enumerate(e.switches(y, i, mode, w[i], load))]

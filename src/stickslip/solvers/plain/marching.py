@@ -24,7 +24,7 @@ from stickslip.solvers.plain.guards import Guard
 from stickslip.solvers.plain.plain_equations import Equations
 from stickslip.solvers.plain.stretch import integrate
 from stickslip.solvers.settings import Request
-from stickslip.solvers.stopped import STIFF, location, remedy, stopping_message
+from stickslip.solvers.stopped import PRESSES_BACK, STIFF, location, remedy, stopping_message
 
 _EVENTS = 2_000  # events in one period, and as many more for each contact and stop, that are taken for chatter
 _MANY, _AT_ONCE = 200, 1e-9  # so many events within this part of a period are taken for it too
@@ -48,8 +48,7 @@ class Hit:
 def march(todo: Request, model: Model, case: int) -> tuple[PolynomialPieces, dict[str, Any], int]:
     """The dense output of one case, what it cost, and how it ended: finished, a contact lost, or (of one run) interrupted."""
     run = marched(todo, model, case)
-    status = Status.NOT_COMPUTED if run.interrupted else Status.LOST if run.lost else Status.FINISHED
-    return run.pieces(), run.counts, status
+    return run.pieces(), run.counts, Status.NOT_COMPUTED if run.interrupted else run.ended
 
 
 def marched(todo: Request, model: Model, case: int) -> Run:
@@ -70,7 +69,7 @@ def marched(todo: Request, model: Model, case: int) -> Run:
             if not (todo.partial and todo.keep == "trajectory" and run.parts):
                 raise
             run.interrupted = True
-        if run.lost or run.interrupted:
+        if run.ended or run.interrupted:
             break
     return run
 
@@ -111,13 +110,17 @@ class Run:
         self.y = np.array(start[: equations.size], float)
         self.parts: list[DensePart] = []
         self.hits: list[Hit] = []
-        self.counts, self.lost, self.interrupted = {"steps": 0, "evaluations": 0, "restarts": 0}, False, False
+        self.counts, self.interrupted = {"steps": 0, "evaluations": 0, "restarts": 0}, False
+        self.ended = Status.FINISHED  # how its equations ended, where they do before its time is over
         self.recent = deque[tuple[float, tuple[int, ...]]]()
         equations.first_loads = equations.loads(0.0, self.y)
         loads = zip(equations.first_loads, equations.laws, equations.unpressed, strict=True)
         if any(load <= 0.0 and load + least <= 0.0 for load, law, least in loads if not law.flies):
             raise SolveError("the load is not positive at the start, so there is no contact; give a start or a drive with a positive load")
         self.y, self.mode = begun(equations, 0.0, self.y, self._memories(start[equations.size :]))
+        if any(border <= 0.0 for border in equations.borders(0.0, self.y, self.mode).values()):
+            message = f"the run ended at its start, t = 0 s: {Status.PAINLEVE.sentence}; {PRESSES_BACK}"
+            raise SolveError(message, Status.PAINLEVE)
 
     def _memories(self, values: Array) -> tuple[tuple[int, ...], ...]:
         whole = iter([int(m) for m in values])
@@ -154,11 +157,11 @@ class Run:
     # ---- between them ----
     def go(self, end: float) -> None:
         """Run up to a time, or until a contact is lost."""
-        while self.t < end and not self.lost:
+        while self.t < end and not self.ended:
             self._move(end)
             self.counts["restarts"] += 1
             self._count()
-        if not self.lost:
+        if not self.ended:
             self.t = end
 
     def _count(self) -> None:
@@ -211,8 +214,8 @@ class Run:
     def _take(self, fired: list[Guard], moved: bool) -> None:
         """Do what the events of one instant say."""
         parts = {sort: [guard for guard in fired if guard.sort == sort] for sort in {guard.sort for guard in fired}}
-        if "load" in parts:
-            self.lost = True
+        if "load" in parts or "border" in parts:
+            self.ended = Status.PAINLEVE if "border" in parts else Status.LOST
             return
         if self.equations.flying:
             self._fly(parts)

@@ -9,6 +9,7 @@ unknown of the same linear equations: what the bodies that it bears need along i
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -107,8 +108,21 @@ class OwnRoute:
         need, by = self._needed(i, state)
         free = need + sum(c * a for c, a in zip(by, solution(state.shape.M, state.h), strict=True))
         side = 1.0 if noting(free, u[0]) > 0.0 else -1.0
-        gives = sum(c * a for c, a in zip(by, solution(state.shape.M, self.rows[i]), strict=True))
-        return side * free / (1.0 + per_load * side * gives)
+        left = 1.0 + per_load * side * self._given(i, state, by)
+        return side * free / left if left else math.inf
+
+    def border(self, i: int, t: float, q: Sequence[Any], u: Sequence[Any], side: int) -> float | None:
+        """Positive as long as one load of a rail follows while its body slips to a side: 1 - |b C|; None of a load that is given."""
+        if not self.mechanics.touching[i].is_held:
+            return None
+        slip = sum(g * float(v) for g, v in zip(self.rows[i], u, strict=True)) + float(self.mechanics.offsets(t)[i])
+        state = self.state(t, q, u, None)
+        per_load = float(self.mechanics.laws[i].sliding(slip if side * slip > TINY else side * TINY, 1.0))
+        return 1.0 - abs(per_load * float(self._given(i, state, self._needed(i, state)[1])))
+
+    def _given(self, i: int, state: _State, by: Floats) -> Any:
+        """How much of the force of a rail its friction of one newton takes."""
+        return sum(c * a for c, a in zip(by, solution(state.shape.M, self.rows[i]), strict=True))
 
     # ---- once for a state ----
     def state(self, t: float, q: Sequence[Any], u: Sequence[Any], z: Any) -> _State:

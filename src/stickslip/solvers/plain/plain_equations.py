@@ -28,6 +28,7 @@ from stickslip.solvers.plain.resting import RestingGroup, group_of
 SHORT = 1e-8  # of a period: rebounds that end within it are one event
 _HELD = 1e-14  # of the velocity scale: what rounding makes of a velocity that a law without a state holds
 _UNPRESSED = 1e-12  # of the force that gives a mass the velocity scale in a period: a load that follows from forces may touch zero
+_BESIDE = 1e-12  # of the number that falls to zero where loads that follow from the motion are infinite: a run ends before
 _ASIDE = 1e-13  # of a period: how far from a break the drive is asked, so that it answers from the right side of it
 
 Memory = tuple[int, ...]
@@ -217,6 +218,17 @@ class Equations:
         if not self.of_motion:
             return forwards
         return [min(a, b) if side == 0 else a if side > 0 else b for a, b, side in zip(forwards, backwards, mode.sides, strict=False)]
+
+    def borders(self, t: float, y: ArrayLike, mode: ContactModes) -> dict[int, float]:
+        """By contact whose load follows from its motion what is positive as long as one load does, of one at rest the lesser of two."""
+        if not self.mechanics.joined:
+            return {}
+        q, u = self.state(y)
+        borders: dict[int, float] = {}
+        for i, side in enumerate(mode.sides[: self.k]):
+            both = [] if i in mode.aloft else [self.own.border(i, self.time(t), q, u, s) for s in ((1, -1) if side == 0 else (side,))]
+            borders |= {i: min(both) - _BESIDE} if (both := [border for border in both if border is not None]) else {}
+        return borders
 
     def _by_side(self, t: float, y: ArrayLike, kinks: Sides) -> tuple[Floats, Floats]:
         """Loads of contacts that slide forwards, or are about to, and backwards; the same twice where no load depends on the motion."""

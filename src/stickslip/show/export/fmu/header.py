@@ -12,7 +12,7 @@ from stickslip.solvers.machine_in_c import MachineInC
 #: How a run may end before its time, and whether that is an end as the machine has it, and no error.
 _ENDS = {
     Status.BUDGET: False, Status.TOO_SMALL: False, Status.NOT_A_NUMBER: False, Status.LOST: True, Status.CHATTERS: False,
-    Status.UNBRAKED: False, Status.SWITCHES: False,
+    Status.UNBRAKED: False, Status.SWITCHES: False, Status.PAINLEVE: True,
 }  # fmt: skip
 
 
