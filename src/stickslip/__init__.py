@@ -31,8 +31,8 @@ def _elsewhere(name: str) -> object:
     """What a name that is not listed stands for in a package, such as ``ss.GMS``; an error says what else to type."""
     if name in _UNLISTED:
         return getattr(importlib.import_module(f"{__name__}.{_UNLISTED[name]}"), name)
-    if name not in _CALLED and (place := from_a_package(name)):
-        return place[1]
+    if name not in _CALLED and (package := from_a_package(name)):
+        return package[1]
     raise AttributeError(f"stickslip has no {name!r}; {_instead(name)}")
 
 

@@ -64,10 +64,23 @@ def test_every_command_in_the_docs_exists():
 def test_every_link_within_the_repository_leads_somewhere():
     texts = {p: re.sub(r"^( *)(```+).*?^\1\2 *$", "", p.read_text(encoding="utf-8"), flags=re.M | re.S) for p in PAGES}
     links = [
-        (p, target.split("#")[0]) for p, text in texts.items() for target in re.findall(r"\]\(([^)\s]+)\)", text) if "://" not in target
+        (p, *target.partition("#")[::2])
+        for p, text in texts.items()
+        for target in re.findall(r"\]\(([^)\s]+)\)", text)
+        if "://" not in target
     ]
-    missing = [f"{id_of(p)}: {target}" for p, target in links if target and not (p.parent / target).exists()]
+    missing = [f"{id_of(p)}: {target}" for p, target, _ in links if target and not (p.parent / target).exists()]
     assert len(links) > 100 and not missing
+    headings = {p.resolve(): anchors_of(text) for p, text in texts.items()}
+    ends = [(p, (p.parent / target).resolve() if target else p.resolve(), anchor) for p, target, anchor in links if anchor]
+    stale = [f"{id_of(p)}: {page.name}#{anchor}" for p, page, anchor in ends if page in headings and anchor not in headings[page]]
+    assert len(ends) > 20 and not stale
+
+
+def anchors_of(text):
+    """The anchors that the headings and the labels of a page give, as GitHub and Sphinx spell them."""
+    headings = (re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in re.findall(r"^#+ +(.*?) *$", text, re.M))
+    return {*headings, *re.findall(r"^\((.+)\)=$", text, re.M)}
 
 
 def test_the_version_is_the_same_everywhere():
@@ -326,3 +339,11 @@ def test_no_word_is_left_unfinished():
     words = r"\b(TODO|FIXME|XXX|NotImplementedError|import pickle|from pickle)\b"
     unfinished = {id_of(p): found for p in SOURCES if (found := re.findall(words, p.read_text(encoding="utf-8")))}
     assert not unfinished
+
+
+def test_variables_are_called_by_what_they_are(trees):
+    functions = [(p, n) for p, tree in trees.items() for n in ast.walk(tree) if isinstance(n, ast.FunctionDef)]
+    stored = [(p, v.id) for p, f in functions for v in ast.walk(f) if isinstance(v, ast.Name) and isinstance(v.ctx, ast.Store)]
+    arguments = [(p, a.arg) for p, f in functions for a in f.args.args]
+    names = {f"{id_of(p)}: {name}" for p, name in [*stored, *arguments] if name in ("found", "told", "seen", "place")}
+    assert names == {"src/stickslip/models/tracks/profiles.py: place"}  # a public argument: metres along the track

@@ -36,7 +36,7 @@ def names_of_stub(package: str, file: str) -> tuple[dict[str, tuple[str, str]], 
             places[node.targets[0].id] = places[node.value.id]
             if not node.value.id.startswith("_"):
                 spellings.add(node.targets[0].id)
-    return {name: place for name, place in places.items() if not name.startswith("_")}, spellings
+    return {name: module for name, module in places.items() if not name.startswith("_")}, spellings
 
 
 def _absolute(package: str, node: ast.ImportFrom) -> str:
@@ -78,10 +78,10 @@ def lazy_names(
 
             raise AttributeError(f"{package} has no {name!r}; {did_you_mean(name, listed)}")
         module, attribute = places[name]
-        place = importlib.import_module(module)
-        if attribute not in vars(place) and (module == package or attribute not in dir(place)):
+        imported = importlib.import_module(module)
+        if attribute not in vars(imported) and (module == package or attribute not in dir(imported)):
             importlib.import_module(f"{module}.{attribute}")  # a package within the package
-        value = getattr(place, attribute)
+        value = getattr(imported, attribute)
         vars(importlib.import_module(package))[name] = value
         return value
 
@@ -130,6 +130,6 @@ def typed_name(name: str) -> str:
     top = importlib.import_module("stickslip")
     if name in top.__all__:
         return f"ss.{name}"
-    if place := from_a_package(name):
-        return f"ss.{place[0]}.{name}"
+    if package := from_a_package(name):
+        return f"ss.{package[0]}.{name}"
     return f"ss.plot.{name}" if name in top.plot.__all__ else ""  # last, since figures load Matplotlib

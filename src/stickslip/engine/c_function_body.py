@@ -195,9 +195,9 @@ class _Body(CExpressions):
         if isinstance(target, ast.Name):
             self.give(target.id, value, target)
         else:
-            place, kind = self.element(target)
+            element, kind = self.element(target)
             text = bare(value) if kind == SMALL else bare(self.as_kind(target, value, kind))
-            self.line(f"{place} = {f'(int8_t)({text})' if kind == SMALL else text};")
+            self.line(f"{element} = {f'(int8_t)({text})' if kind == SMALL else text};")
 
     def give(self, name: str, value: Any, node: ast.AST) -> None:
         if name == "_":
@@ -226,10 +226,9 @@ class _Body(CExpressions):
         if isinstance(node.target, ast.Name):
             self.give(node.target.id, self.operation(node, node.op, self.visit(node.target), self.visit(node.value)), node)
         else:
-            place, kind = self.element(node.target)
-            self.line(
-                f"{place} = {bare(self.as_kind(node, self.operation(node, node.op, Value(place, kind), self.visit(node.value)), kind))};"
-            )
+            element, kind = self.element(node.target)
+            value = self.operation(node, node.op, Value(element, kind), self.visit(node.value))
+            self.line(f"{element} = {bare(self.as_kind(node, value, kind))};")
 
     def visit_If(self, node: ast.If) -> None:
         test = self.condition(node.test)

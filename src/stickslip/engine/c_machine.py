@@ -130,5 +130,5 @@ def _text(k: PlainKernel, name: str, ends: dict[str, Sym]) -> str:
     bind |= {s.name: f"y[{i}]" for i, s in enumerate(eq.y)} | {s.name: f"mode[{i}]" for i, s in enumerate(eq.modes)}
     bind |= {f"b{i}": f"side[{i}]" for i in range(eq.signs)} | {f"clk{i}": f"clock[{i}]" for i in range(len(eq.clocks))}
     bind |= {f"seed{i}": f"seed[{i}]" for i in range(1 + eq.states + len(eq.names))}
-    lines = [f"{place} = 1.0 * {w.value(node, bind)}" for place, node in ends.items()]
+    lines = [f"{target} = 1.0 * {w.value(node, bind)}" for target, node in ends.items()]
     return function(name, ", ".join(_HELD), [*w.lines, *lines], f"void({', '.join(_HELD.values())})")

@@ -85,7 +85,7 @@ def _outputs(model: Any, eq: System, states: list[Quantity]) -> dict[str, Quanti
     m = Symbolic(model, eq.cyclic)
     m.graph.at_once = True
     way, n = m.graph.variable(WAY), eq.coordinates
-    q = tuple(way if j == 0 and eq.cyclic else place + way if eq.cyclic else place for j, place in enumerate(m.places))
+    q = tuple(way if j == 0 and eq.cyclic else position + way if eq.cyclic else position for j, position in enumerate(m.places))
     a = tuple(m.graph.variable(f"acceleration {j}") for j in range(n))
     copied = Copied(eq.graph, {each.name: f for each, f in zip(a, eq.f, strict=False)})
     of_bodies: dict[str, tuple[Any, ...]] = {
@@ -93,15 +93,15 @@ def _outputs(model: Any, eq: System, states: list[Quantity]) -> dict[str, Quanti
         "velocity": m.equations.velocities(m.t, m.v),
         "acceleration": m.equations.accelerations_of_bodies(m.t, a),
     }
-    letters, found = {"position": "x", "velocity": "v", "acceleration": "a"}, []
+    letters, outputs = {"position": "x", "velocity": "v", "acceleration": "a"}, []
     for kind, values in of_bodies.items():
         for (name, _), value in zip(eq.bodies, values, strict=True):
             own = letters[kind] if eq.single else f"{letters[kind]}.{name}"
-            found.append(Quantity(own, copied.of(m.lift(value)), kind, name))
+            outputs.append(Quantity(own, copied.of(m.lift(value)), kind, name))
     if eq.single:
-        found.append(Quantity("friction_force", eq.mass * (eq.free - eq.f[0]), "force", eq.contacts[0].name if eq.contacts else ""))
-    found += [state for state in states if state.kind in ("inner", "control")]
-    return {each.name: each for each in found}
+        outputs.append(Quantity("friction_force", eq.mass * (eq.free - eq.f[0]), "force", eq.contacts[0].name if eq.contacts else ""))
+    outputs += [state for state in states if state.kind in ("inner", "control")]
+    return {each.name: each for each in outputs}
 
 
 def along_seeds(eq: System, cyclic: bool) -> Along:

@@ -31,12 +31,12 @@ def check_cyclic(flow: SwitchingFlow, n: int, traced: TracedFlow | None = None) 
     >>> check_cyclic(pendulum, 2)
     """
     cyclic = flow.drifts
-    for place, length in zip(cyclic.places, cyclic.lengths, strict=True):
-        depends = _shifted(flow, n, place, length)
+    for index, length in zip(cyclic.places, cyclic.lengths, strict=True):
+        depends = _shifted(flow, n, index, length)
         if depends is None and not np.isfinite(length) and traced is not None:
-            depends = _traced(traced, place)
+            depends = _traced(traced, index)
         if depends is not None:
-            raise InputError("SwitchingFlow", [_said(cyclic.names[cyclic.places.index(place)], length, depends)])
+            raise InputError("SwitchingFlow", [_said(cyclic.names[cyclic.places.index(index)], length, depends)])
 
 
 def _said(name: str, length: float, function: str) -> str:
@@ -49,29 +49,29 @@ def _said(name: str, length: float, function: str) -> str:
     return f"{mistake}; {allowed}; {how}"
 
 
-def _traced(traced: TracedFlow, place: int) -> str | None:
+def _traced(traced: TracedFlow, index: int) -> str | None:
     """The function of a flow in whose trace a state stands; None if there is none. What a reset makes of the state itself may have it."""
-    state = traced.y[place]
+    state = traced.y[index]
     for name, values in traced.expressions.items():
-        others = [value for k, value in enumerate(values) if not (name.endswith(".reset") and k == place)]
+        others = [value for k, value in enumerate(values) if not (name.endswith(".reset") and k == index)]
         if any(node is state for node in needed_by(others)):
             return name
     return None
 
 
-def _shifted(flow: SwitchingFlow, n: int, place: int, length: float) -> str | None:
+def _shifted(flow: SwitchingFlow, n: int, index: int, length: float) -> str | None:
     """The function that gives something else at states with a shifted coordinate; None if there is none."""
     plain, points = single_plain(flow), points_of(flow, n)
     free = not np.isfinite(length)
-    scale = float((flow.scales or (1.0,) * n)[place])
+    scale = float((flow.scales or (1.0,) * n)[index])
     asked = [values_of_functions(plain, t, y) for t, y in points]
     for shift in np.array(_SHIFTS) * scale if free else np.array(_TURNS) * length:
         for (t, y), here in zip(points, asked, strict=True):
-            moved = [value + shift if i == place else value for i, value in enumerate(y)]
+            moved = [value + shift if i == index else value for i, value in enumerate(y)]
             there = values_of_functions(plain, t, moved)
             for name in here:
                 sizes = np.max([np.abs(_floats(each[name])) for each in asked if _alike(each[name], here[name])], axis=0, initial=0.0)
-                if not _same(name, here[name], there[name], place, shift, length, _SAME * sizes):
+                if not _same(name, here[name], there[name], index, shift, length, _SAME * sizes):
                     return name
     return None
 
@@ -85,7 +85,7 @@ def _floats(values: Any) -> Any:
     return np.array([value if isinstance(value, float) else 0.0 for value in values])
 
 
-def _same(name: str, here: Any, there: Any, place: int, shift: float, length: float, near: Any) -> bool:
+def _same(name: str, here: Any, there: Any, index: int, shift: float, length: float, near: Any) -> bool:
     """Whether a function gives the same at a shifted state; of a reset the state itself is carried along, or brought back by lengths."""
     if not _alike(here, there):
         return bool(here == there)
@@ -94,8 +94,8 @@ def _same(name: str, here: Any, there: Any, place: int, shift: float, length: fl
     a, b = _floats(here), _floats(there)
     near = np.where(np.isfinite(length), near + _SAME * abs(a), 0.0) + 0.0 * a
     if name.endswith(".reset"):
-        b[place] -= shift
-        near[place] += _EXACT * (abs(a[place]) + abs(shift))
+        b[index] -= shift
+        near[index] += _EXACT * (abs(a[index]) + abs(shift))
         if np.isfinite(length):
-            b[place] += length * np.round((a[place] - b[place]) / length)
+            b[index] += length * np.round((a[index] - b[index]) / length)
     return bool(np.all(abs(a - b) <= near))

@@ -274,8 +274,8 @@ class FlowContacts:
         """The number of the flow's mode, from that of the field's and what the contacts do; the first is 1."""
         many = len(self.resting)
         total = 1.0 + (base - 1.0) * self.graph.constant(float(3**many))
-        for place, i in enumerate(self.resting):
-            total = total + (sides[i] + 1.0) * self.graph.constant(float(3 ** (many - 1 - place)))
+        for digit, i in enumerate(self.resting):
+            total = total + (sides[i] + 1.0) * self.graph.constant(float(3 ** (many - 1 - digit)))
         return total
 
     def events(self) -> list[tuple[Sym, dict[int, Sym], dict[int, Sym]]]:

@@ -263,8 +263,8 @@ class TracedFlow:
         to = graph.select(-given, -given, decoded(lambda k: 1.0 + self.modes.index(known[k][0])))
         decided = Substituted(graph, {self.mode.name: to})
         sides = {
-            i: graph.select(-given, decided.of(side), decoded(lambda k, place=place: float(known[k][1][place])))  # type: ignore[misc]
-            for place, (i, side) in enumerate(self.first.items())
+            i: graph.select(-given, decided.of(side), decoded(lambda k, index=index: float(known[k][1][index])))  # type: ignore[misc]
+            for index, (i, side) in enumerate(self.first.items())
         }
         return (*self._mode(to, sides, zero, zero, zero)[: len(self.held) - len(memories)], *memories)
 

@@ -219,7 +219,7 @@ class AnyCoordinates(Mechanics):
         n, slopes = len(q), []
         for j in range(n):
             moved = self.along(t, [Moving(x, 1.0 if k == j else 0.0) for k, x in enumerate(q)])
-            slopes.append({name: tuple(part.rate for part in place) for name, place in moved.items()})
+            slopes.append({name: tuple(part.rate for part in components) for name, components in moved.items()})
         return slopes
 
     def moved(self, t: Numeric, q: Numbers, u: Numbers) -> dict[str, tuple[Moving, ...]]:
@@ -280,21 +280,21 @@ class AnyCoordinates(Mechanics):
                 h[j] = total([h[j], *map(product, slopes[j][name], net)])
         return h
 
-    def net(self, name: str, t: Numeric, place: tuple[Moving, ...], pulled: dict[str, Parts]) -> Parts:
+    def net(self, name: str, t: Numeric, components: tuple[Moving, ...], pulled: dict[str, Parts]) -> Parts:
         """Applied forces on a body, less mass times the accelerations that it has while the coordinates' rates stay as they are."""
-        forces = self.forces_on(name, t, place, pulled)
-        resisting = (product(m, part.second) for m, part in zip(self.inertias(name), place, strict=False))
+        forces = self.forces_on(name, t, components, pulled)
+        resisting = (product(m, part.second) for m, part in zip(self.inertias(name), components, strict=False))
         return tuple(total([force, product(-1.0, inertia)]) for force, inertia in zip(forces, resisting, strict=True))
 
-    def forces_on(self, name: str, t: Numeric, place: tuple[Moving, ...], pulled: dict[str, Parts]) -> Parts:
+    def forces_on(self, name: str, t: Numeric, components: tuple[Moving, ...], pulled: dict[str, Parts]) -> Parts:
         """Force of the body itself, its weight, and what links do to it, in each part of its place [N] or [N m]."""
         body = self.placed[name]
-        x, v = (tuple(getattr(part, what) for part in place) for what in ("value", "rate"))
+        x, v = (tuple(getattr(part, what) for part in components) for what in ("value", "rate"))
         given = body.applied(t, x[0] if len(x) == 1 else x, v[0] if len(v) == 1 else v)
         own = given if isinstance(given, tuple) else (given,)
-        weight = (0.0,) * len(place) if len(place) == 1 else (0.0, product(-1.0, product(body.mass, self.gravity)), 0.0)
+        weight = (0.0,) * len(components) if len(components) == 1 else (0.0, product(-1.0, product(body.mass, self.gravity)), 0.0)
         links = pulled.get(name, (0.0,) * 3)
-        return tuple(map(total, zip((*own, *(0.0 for _ in range(len(place) - len(own)))), weight, links, strict=False)))
+        return tuple(map(total, zip((*own, *(0.0 for _ in range(len(components) - len(own)))), weight, links, strict=False)))
 
     def accelerations(self, t: Numeric, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> Parts:
         """Second derivatives of the coordinates under the friction forces."""
@@ -316,9 +316,9 @@ class AnyCoordinates(Mechanics):
         q, u, none = tuple(x.T), tuple(v.T), np.zeros_like(t)
         R, gravity = column["friction_force"], none
         if not self.by_energy:
-            for name, place in self.moved(t, q, u).items():
-                if len(place) > 1:
-                    gravity = gravity - self.placed[name].mass * self.gravity * place[1].rate
+            for name, components in self.moved(t, q, u).items():
+                if len(components) > 1:
+                    gravity = gravity - self.placed[name].mass * self.gravity * components[1].rate
         gained = total(map(product, self._all_forces(t, q, u, z), u)) + none
         ground = -(R * (np.array([np.broadcast_to(b, t.shape) for b in self.offsets(t)]).reshape(-1, len(t)).T)).sum(axis=1)
         works = {"drive": gained - gravity - ground, "gravity": gravity + none, "friction": R * column["slip"]}
@@ -333,8 +333,8 @@ class AnyCoordinates(Mechanics):
         if self.by_energy:
             return tuple(total([a, b]) for a, b in zip(rates, self._energies.gyroscopic(q, u), strict=True))
         slopes, moved = self.slopes(t, q), self.moved(t, q, u)
-        for name, place in moved.items():
-            inertia = [product(m, part.second) for m, part in zip(self.inertias(name), place, strict=False)]
+        for name, components in moved.items():
+            inertia = [product(m, part.second) for m, part in zip(self.inertias(name), components, strict=False)]
             rates = [total([h, *map(product, slopes[j][name], inertia)]) for j, h in enumerate(rates)]
         return tuple(rates)
 

@@ -76,8 +76,8 @@ def contact_columns(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: Ar
         if follows:
             loads[:, k] = abs(reaction(mechanics, k, t, q, u, tuple(R.T), held))
     moved = list(_under(mechanics, t, q, u, R, pressed, held))
-    for i, place in enumerate(places or ()):  # exactly, without what rounding leaves of a difference of forces
-        moved[place] = np.where(resting[:, i], 0.0 - prescribed[:, i], moved[place])
+    for i, index in enumerate(places or ()):  # exactly, without what rounding leaves of a difference of forces
+        moved[index] = np.where(resting[:, i], 0.0 - prescribed[:, i], moved[index])
     acceleration = _columns(mechanics.accelerations_of_bodies(t, moved), t)
     return {"acceleration": acceleration, "friction_force": R, "slip": slips, "load": loads}
 
@@ -155,7 +155,7 @@ def _hold_joined(mechanics: Mechanics, resting: Array, t: Array, q: Any, u: Any,
 
 def _held_alone(mechanics: Mechanics, resting: Array, free: Array, prescribed: Array, places: list[int], R: Array) -> Array:
     """The same where each contact brakes a coordinate of its own, whose acceleration without friction decides alone."""
-    needed = np.stack([mechanics.masses[place] * (free[:, place] + prescribed[:, i]) for i, place in enumerate(places)], axis=1)
+    needed = np.stack([mechanics.masses[index] * (free[:, index] + prescribed[:, i]) for i, index in enumerate(places)], axis=1)
     return np.where(resting, needed, R)
 
 
@@ -165,9 +165,9 @@ def places_of(mechanics: Mechanics) -> list[int] | None:
         return None
     directions = mechanics.directions
     places = [[c for c, g in enumerate(row) if g] for row in directions]
-    if any(len(place) != 1 for place in places) or any(row[place[0]] != 1.0 for row, place in zip(directions, places, strict=True)):
+    if any(len(indices) != 1 for indices in places) or any(row[indices[0]] != 1.0 for row, indices in zip(directions, places, strict=True)):
         return None
-    own = [place[0] for place in places]
+    own = [indices[0] for indices in places]
     return own if len(set(own)) == len(own) else None
 
 

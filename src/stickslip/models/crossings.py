@@ -63,9 +63,9 @@ def checked_crossings(what: str, events: Any, taken: Iterable[str] = ()) -> dict
             allowed = 'allowed is a function of the state, alone or with "rises" or "falls", and with "ends" where a run ends there'
             problems.add(f'events[{name!r}] = {each!r}; {allowed}; type for example (lambda s: s.x - 1.0, "rises", "ends")')
             continue
-        told: dict[str, Any] = {"direction": 0, "terminal": False}
+        options: dict[str, Any] = {"direction": 0, "terminal": False}
         for word in words:
-            told |= _WORDS[word]
-        checked[name] = Crossing(function, **told)
+            options |= _WORDS[word]
+        checked[name] = Crossing(function, **options)
     problems.check()
     return checked

@@ -44,13 +44,13 @@ class CyclicCoordinates:
     @property
     def free(self) -> Array:
         """The places of those on which no equation depends: a shift of them is no other motion."""
-        return np.array([place for place, length in zip(self.places, self.lengths, strict=True) if not np.isfinite(length)], int)
+        return np.array([index for index, length in zip(self.places, self.lengths, strict=True) if not np.isfinite(length)], int)
 
     def wrapped(self, states: Any) -> Array:
         """States (..., state) with the cyclic coordinates brought back: to zero, or to within half a length of it."""
         states = np.array(states, float)
-        for place, length in zip(self.places, self.lengths, strict=True):
-            states[..., place] = states[..., place] - length * np.round(states[..., place] / length) if np.isfinite(length) else 0.0
+        for index, length in zip(self.places, self.lengths, strict=True):
+            states[..., index] = states[..., index] - length * np.round(states[..., index] / length) if np.isfinite(length) else 0.0
         return states
 
     def difference(self, a: Any, b: Any) -> Array:
@@ -72,11 +72,11 @@ class CyclicCoordinates:
         (True, 3)
         """
         points = self.wrapped(points)
-        for place, length in zip(self.places, self.lengths, strict=True):
+        for index, length in zip(self.places, self.lengths, strict=True):
             if np.isfinite(length):
-                radius, angle = length / (2.0 * np.pi), points[..., place] * (2.0 * np.pi / length)
-                points[..., place] = radius * np.cos(angle)
-                points, scales = np.concatenate([points, radius * np.sin(angle)[..., None]], axis=-1), np.append(scales, scales[place])
+                radius, angle = length / (2.0 * np.pi), points[..., index] * (2.0 * np.pi / length)
+                points[..., index] = radius * np.cos(angle)
+                points, scales = np.concatenate([points, radius * np.sin(angle)[..., None]], axis=-1), np.append(scales, scales[index])
         return points, scales
 
 

@@ -194,8 +194,8 @@ def contact_columns(flow: Any, t: Array, y: Array, modes: Array) -> dict[str, Co
     """
     forces, labels = ContactForces(flow.plain), list(flow.labels.values())
     columns = {name: [np.full(len(t), np.nan) for _ in range(4)] for name in flow.contacts}
-    for place in np.unique(modes):
-        at, (base, sides) = modes == place, labels[place]
+    for number in np.unique(modes):
+        at, (base, sides) = modes == number, labels[number]
         states = list(y[at].T)
         slips, loads, R = forces.slips(t[at], states), forces.loads(t[at], states), forces.forces(base, sides, t[at], states)
         known = dict(zip(forces.resting, sides, strict=True))

@@ -82,19 +82,19 @@ class PlacedLink:
         a, b = _at(end)
         if body_of(end) is None:
             return _moved(end.at, t) if callable(end.at) else (Moving(a), Moving(b))
-        place = (*places[body_of(end)], Moving(0.0))
-        x, z = place[0], place[1]
+        components = (*places[body_of(end)], Moving(0.0))
+        x, z = components[0], components[1]
         if len(places[body_of(end)]) < 3:
             return x + a, z + b
-        c, s = cos(place[2]), sin(place[2])  # type: ignore[arg-type]
+        c, s = cos(components[2]), sin(components[2])  # type: ignore[arg-type]
         return x + a * c - b * s, z + a * s + b * c
 
     def _on(self, end: Any, places: Places, x: Any, z: Any) -> tuple[Any, Any, Any]:
         """A force at a point, with the torque about the place of its body."""
-        place, (a, b) = places[body_of(end)], _at(end)
-        if len(place) < 3:
+        components, (a, b) = places[body_of(end)], _at(end)
+        if len(components) < 3:
             return x, z, 0.0
-        c, s = cos(place[2].value), sin(place[2].value)
+        c, s = cos(components[2].value), sin(components[2].value)
         ahead, up = total([product(a, c), product(-1.0, product(b, s))]), total([product(a, s), product(b, c)])
         return x, z, total([product(ahead, z), product(-1.0, product(up, x))])
 

@@ -70,17 +70,17 @@ def _value(text: str, at: int, depth: int) -> tuple[Any, int]:
 
 def _members(text: str, at: int, depth: int) -> tuple[dict[str, Any], int]:
     """An object of few members, each of which may be a long table."""
-    members, place = dict[str, Any](), at + 1
-    while (key := _KEY.match(text, place)) is not None:
-        members[json.loads(key[1])], place = _value(text, key.end(), depth - 1)
-        place = _after_space(text, place)
-        if text[place : place + 1] != ",":
+    members, cursor = dict[str, Any](), at + 1
+    while (key := _KEY.match(text, cursor)) is not None:
+        members[json.loads(key[1])], cursor = _value(text, key.end(), depth - 1)
+        cursor = _after_space(text, cursor)
+        if text[cursor : cursor + 1] != ",":
             break
-        place += 1
+        cursor += 1
         check_columns(len(members), "the JSON")
-    if text[place : place + 1] != "}" or text[place - 1] == ",":
-        raise json.JSONDecodeError("Expecting ',' delimiter", text, place)
-    return members, place + 1
+    if text[cursor : cursor + 1] != "}" or text[cursor - 1] == ",":
+        raise json.JSONDecodeError("Expecting ',' delimiter", text, cursor)
+    return members, cursor + 1
 
 
 def _rows(text: str, at: int, first: int) -> tuple[Any, int]:
@@ -121,16 +121,16 @@ def _named(text: str, at: int, first: int, begins: str) -> tuple[Any, int]:
     return _DECODER.raw_decode(text, at) if values is None else (values, end)
 
 
-def _taken(text: str, place: int, brackets: str, seam: re.Pattern[str], add: Callable[[Any], None]) -> int:
+def _taken(text: str, cursor: int, brackets: str, seam: re.Pattern[str], add: Callable[[Any], None]) -> int:
     """Give the members of a list or an object to a function, some at a time; where it ends. A seam is one where they are JSON before it."""
     while True:
-        between = seam.search(text, place + _PIECE)
+        between = seam.search(text, cursor + _PIECE)
         stop = len(text) if between is None else between.start() + (text[between.start()] in "}]")
-        piece = f"{brackets[0]}{text[place:stop]}{brackets[1]}"
+        piece = f"{brackets[0]}{text[cursor:stop]}{brackets[1]}"
         some, end = _DECODER.raw_decode(piece)
         add(some)
         if end < len(piece):  # the list ends here, and the text goes on
-            return place + end - 1
+            return cursor + end - 1
         if between is None:
             raise ValueError("it has no end")
-        place = between.end()
+        cursor = between.end()

@@ -151,9 +151,9 @@ class _Reader:
                 continue
             time = time_of(match, self._day_first)
             if time is not None:
-                start, end = (len(match.string[:place].encode("utf-8", "surrogatepass")) for place in match.span())
-                place = (start, end, date_cell(match).encode())
-                times.put(np.array([at]), match["between"] is not None, np.array(time[:1]), np.array(time[1:]), place)
+                start, end = (len(match.string[:span].encode("utf-8", "surrogatepass")) for span in match.span())
+                span = (start, end, date_cell(match).encode())
+                times.put(np.array([at]), match["between"] is not None, np.array(time[:1]), np.array(time[1:]), span)
             if len(self._forms) < _FORMS and match.string[: match.end()].isascii():
                 self._forms.append(_Form(match, self._comma, self._day_first))
                 left = self._forms[-1].read(some, left, times)

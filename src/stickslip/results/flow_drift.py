@@ -34,7 +34,7 @@ def mean_rates(run: Any) -> dict[str, float]:
     if len(t) < 2:
         return dict.fromkeys(cyclic.names, float("nan"))
     way = (points[-1] - points[0]) / (t[-1] - t[0])
-    return {name: float(way[place]) for name, place in zip(cyclic.names, cyclic.places, strict=True)}
+    return {name: float(way[index]) for name, index in zip(cyclic.names, cyclic.places, strict=True)}
 
 
 def repeats_after(flow: Any, points: Array, recurrence: Any) -> int:

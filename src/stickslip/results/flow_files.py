@@ -91,9 +91,9 @@ def _check_rates(flow: Any, pieces: FlowPieces, near: float) -> None:
             raise InputError("load", [f"{mistake}; give the flow that was solved"])
 
 
-def _rates(flow: Any, place: int, t: float, y: list[float]) -> Array:
+def _rates(flow: Any, index: int, t: float, y: list[float]) -> Array:
     """The rates in a mode, by its place, as the flow's plain functions give them."""
-    mode, sides = list(flow.labels.values())[place]
+    mode, sides = list(flow.labels.values())[index]
     plain = flow.plain
     rates = ContactForces(plain).rates(mode, sides, t, y) if flow.contacts else plain.fields[mode](t, y)
     return np.asarray(rates, float)

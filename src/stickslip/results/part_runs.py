@@ -82,8 +82,8 @@ class PlacedBodyRun:
         run = self.run
         q, u = tuple(np.asarray(run.x).T), tuple(np.asarray(run.v).T)
         mechanics: Any = machine_of(run.model).mechanics
-        place = mechanics.moved(0.0, q, u)[self.name]
-        return 0.0 * q[0] + (getattr(place[number], what) if number < len(place) else 0.0)
+        components = mechanics.moved(0.0, q, u)[self.name]
+        return 0.0 * q[0] + (getattr(components[number], what) if number < len(components) else 0.0)
 
     x = property(lambda self: self._part(0, "value"), doc="Place along x [m].")
     z = property(lambda self: self._part(1, "value"), doc="Height [m].")

@@ -125,15 +125,15 @@ def pieces_of(mechanics: Any, first_modes: Array, pieces: list[Array], events: A
     counts = sum((np.bincount(part[:, 0].astype(np.int64), minlength=bodies) for part in pieces), np.zeros(bodies, np.int64))
     first = np.concatenate([[0], np.cumsum(counts)])
     begins, c = np.empty(first[-1]), np.empty((first[-1], local_events.ORDER + 2))
-    place = first[:-1].copy()
+    positions = first[:-1].copy()
     for part in pieces:  # those of one body come in order of time
         body = part[:, 0].astype(np.int64)
         order = np.argsort(body, kind="stable")
         own = np.bincount(body, minlength=bodies)
         within = np.arange(len(part)) - np.repeat(np.cumsum(own) - own, own)
-        at = place[body[order]] + within
+        at = positions[body[order]] + within
         begins[at], c[at] = part[order, 1], part[order, 2:]
-        place += own
+        positions += own
     times = np.unique(events[:, 0])
     inside = times[(times > begin) & (times < end)]
     mode = np.empty((len(inside) + 1, len(of)), np.int8)

@@ -43,12 +43,12 @@ def with_events(todo: Request, result: Any, events: Mapping[str, Crossing], run:
 
 def marked(run: Trajectory, events: Mapping[str, Crossing]) -> Trajectory:
     """A run with its events; up to the first one that ends it."""
-    found = found_events(run, events)
-    end = next((event for event in found if events[event.part].terminal), None)
+    located = found_events(run, events)
+    end = next((event for event in located if events[event.part].terminal), None)
     if end is None:
-        return replace(run, named_events=tuple(found))
+        return replace(run, named_events=tuple(located))
     pieces = run.pieces.until(end.t) if end.t < run.pieces.t[-1] else run.pieces
-    known = tuple(event for event in found if event.t <= end.t)
+    known = tuple(event for event in located if event.t <= end.t)
     return replace(run, pieces=pieces, status=f"ended by the event {end.part!r}", named_events=known)
 
 

@@ -269,8 +269,8 @@ def _note_images(
     firsts = [int(np.flatnonzero(number == n)[0]) for n in taken]
     images = mirror_images(model, along.at, motions, whole.points[firsts, -1], firsts, along.rtol)
     places = [tracks.index(track) for track in taken.values()]
-    for place, image in zip(places, images, strict=True):
-        tracks[place].images[k] = UNDONE if image is None else places[image]
+    for index, image in zip(places, images, strict=True):
+        tracks[index].images[k] = UNDONE if image is None else places[image]
 
 
 def _begins(track: _Track, values: Array) -> str:

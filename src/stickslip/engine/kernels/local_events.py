@@ -141,19 +141,19 @@ def regroup(first, end, now, S, K, X, LINK, ADJ, NUM, WL, WC, WA, Z, G, TREE, JO
         if K[Q[q], MODE] == 0:
             K[Q[q], LEADER] = Q[q]
     N[MARKS] += 1
-    group, place = N[MARKS], end
+    group, slot = N[MARKS], end
     for q in range(first, end):
         i = Q[q]
         if K[i, MODE] != 0 and K[i, AT_GROUP] != group:
             N[MARKS] += 1
-            last = gather(i, place, K, LINK, ADJ, Q, N)
-            for k in range(place, last):
+            last = gather(i, slot, K, LINK, ADJ, Q, N)
+            for k in range(slot, last):
                 K[Q[k], AT_GROUP] = group
-            begin_step(place, last, now, S, K, X, LINK, ADJ, NUM, WL, WC, WA, G, TREE, JOB, Q, L, N)
-            for k in range(place, last):
+            begin_step(slot, last, now, S, K, X, LINK, ADJ, NUM, WL, WC, WA, G, TREE, JOB, Q, L, N)
+            for k in range(slot, last):
                 K[Q[k], BORN] = 0
-            place = last
-    watch_beside(first, place, now, S, K, X, LINK, ADJ, NUM, WL, WA, Z, G, TREE, JOB, Q, N)
+            slot = last
+    watch_beside(first, slot, now, S, K, X, LINK, ADJ, NUM, WL, WA, Z, G, TREE, JOB, Q, N)
 
 
 @njit(void(f2, i2, f2, i2, i1, f1, f2, f2, f2, f2, f1, f1, f1, i1, i1, f2, i1))

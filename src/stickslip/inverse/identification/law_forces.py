@@ -65,14 +65,14 @@ def driven_force(
 def _rig_force(rig: ForceRig, motion: PrescribedMotion, load: Any, measured: Any, cases: int, reading: dict[str, Any], side: float) -> Any:
     """Force at the actuator of a rig."""
     start = np.broadcast_to(np.asarray(reading.get("start", 0.0), float), (cases,))
-    place = np.clip(2 * start, -1.0, 1.0)
+    offset = np.clip(2 * start, -1.0, 1.0)
     if not rig.law.dynamic:
         steps, at = np.diff(motion.t, prepend=motion.t[0]), np.where(motion.still, 0.0, motion.at)
         samples = float("delay" in reading)
-        return force_through_play(rig.law, steps, motion.v, at, load, rig.backlash, place, side, cases, motion.blur, samples, motion.smear)
+        return force_through_play(rig.law, steps, motion.v, at, load, rig.backlash, offset, side, cases, motion.blur, samples, motion.smear)
     stepped, bent = Stepped(motion.t, motion.v, motion.at), np.sign(start) * np.maximum(abs(start) - 0.5, 0.0)
     inner = _begun(rig.law, stepped, load[0], cases, bent)
-    z = np.concatenate([inner, (0.5 * rig.backlash * place)[None, :]])
+    z = np.concatenate([inner, (0.5 * rig.backlash * offset)[None, :]])
     flank = np.concatenate([np.sign(bent)[None, :], np.zeros((rig.law.modes, cases))])
     return _followed(rig.behind_play, stepped, load, measured, z, begun=flank)[0]
 

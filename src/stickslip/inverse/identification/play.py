@@ -58,7 +58,7 @@ def force_through_play(
     return np.where((sign == 0) | (sign != np.where(way == 0, sign, way)), held, pushed)
 
 
-def _beyond(sign: Any, moved: Any, half: Any, place: Any) -> tuple[Any, Any]:
+def _beyond(sign: Any, moved: Any, half: Any, offset: Any) -> tuple[Any, Any]:
     """The direction in which the actuator moves or moved last, and how far it is beyond the flank there: arrays (n,), (n, cases) [m].
 
     A flank that it stands on is passed by nothing or more, one not yet reached by less.
@@ -70,6 +70,6 @@ def _beyond(sign: Any, moved: Any, half: Any, place: Any) -> tuple[Any, Any]:
     beyond = np.empty((n, len(half)))
     for first, end in pairwise(turns):
         s, gone = way[first], np.cumsum(moved[first:end])
-        beyond[first:end] = gone[:, None] - (half - s * place)
-        place = s * np.minimum(half, s * place + gone[-1]) if s else place
+        beyond[first:end] = gone[:, None] - (half - s * offset)
+        offset = s * np.minimum(half, s * offset + gone[-1]) if s else offset
     return way, beyond

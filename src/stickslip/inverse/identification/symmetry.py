@@ -119,7 +119,7 @@ def _has_both_sides(make: Any, name: str) -> bool:
 
 def by_sides(fit: Fit) -> list[Symmetry]:
     """For each coefficient that was fitted for both directions apart: mean and half difference, as far as the record determines them."""
-    found = []
+    symmetries = []
     for stem in [name.removesuffix(SIDES[0]) for name in fit.names if name.endswith(SIDES[0])]:
         names = [stem + side for side in SIDES]
         if names[1] not in fit.names:
@@ -130,9 +130,9 @@ def by_sides(fit: Fit) -> list[Symmetry]:
             c = fit.covariance
             mean, half = (0.5 * float(np.sqrt(max(c[i, i] + c[j, j] + sign * 2 * c[i, j], 0.0))) for sign in (1, -1))
             values = fit.values[names[0]], fit.values[names[1]]
-            found.append(Symmetry(stem, 0.5 * sum(values), mean, 0.5 * (values[0] - values[1]), half, unit))
+            symmetries.append(Symmetry(stem, 0.5 * sum(values), mean, 0.5 * (values[0] - values[1]), half, unit))
             continue
         whole = {formula: (value, error) for formula, value, error in fit.combinations}
         if both := whole.get(" + ".join(names)) or whole.get(" + ".join(names[::-1])):
-            found.append(Symmetry(stem, 0.5 * both[0], 0.5 * both[1], 0.0, float("inf"), unit))
-    return found
+            symmetries.append(Symmetry(stem, 0.5 * both[0], 0.5 * both[1], 0.0, float("inf"), unit))
+    return symmetries

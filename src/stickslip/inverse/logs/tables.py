@@ -79,7 +79,7 @@ class Speeds(Shaken):
 
 def _columns(rec: Record) -> dict[str, tuple[str, Any]]:
     """Columns with settings: name -> (name of the column, values in SI units, angles in degrees)."""
-    found: dict[str, tuple[str, Any]] = {}
+    columns: dict[str, tuple[str, Any]] = {}
     for name, quantity in _SETTINGS.items():
         own = {c.name: c.si for c in rec.channels.values() if quantity_of(c.unit) == quantity}
         for c in rec.channels.values():  # a column of rising frequencies is the axis of the others
@@ -88,8 +88,8 @@ def _columns(rec: Record) -> dict[str, tuple[str, Any]]:
                 own[str(c.axis_name)] = c.t * unit.factor
         if len(own) == 1:
             column, values = next(iter(own.items()))
-            found[name] = column, np.degrees(values) if name == "tilt_deg" else values
-    return found
+            columns[name] = column, np.degrees(values) if name == "tilt_deg" else values
+    return columns
 
 
 def _speed(rec: Record) -> Any:

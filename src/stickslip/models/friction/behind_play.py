@@ -79,13 +79,13 @@ class BehindPlay(Law):
 
     def switches(self, v: Numeric, z: Any, load: Numeric, mode: tuple[Numeric, ...]) -> list[tuple[Any, Any, Any]]:
         """A flank is left where friction falls to zero and reached at the ends of the play; between them the law's own guards rest."""
-        (inner, place), (flank, *own), half = _split(z), mode, 0.5 * self.backlash
+        (inner, offset), (flank, *own), half = _split(z), mode, 0.5 * self.backlash
         friction = self._friction(v, z, load, mode)
         left = [(where(flank * side > 0, side * friction, _ASIDE), 0, side) for side in (1, -1)]
-        reached = [(_on_flank(flank, _ASIDE, half - side * place), side, side) for side in (1, -1)]
+        reached = [(_on_flank(flank, _ASIDE, half - side * offset), side, side) for side in (1, -1)]
         ends = [(guard, (after, *own), _joined((*inner, side * half))) for guard, after, side in (*left, *reached)]
         kept = [
-            (_on_flank(flank, guard, _ASIDE), (flank, *after), _joined((*(inner if new is None else new), place)))
+            (_on_flank(flank, guard, _ASIDE), (flank, *after), _joined((*(inner if new is None else new), offset)))
             for guard, after, new in self._own.switches(v, inner, load, tuple(own))
         ]
         return [*ends, *kept]

@@ -77,9 +77,9 @@ def _check_sources(machine: Any, names: tuple[str, ...], problems: Problems) -> 
                 where = "places() has" if name in places else "bodies() has"
                 other = "bodies" if name in places else "places"
                 problems.add(f"{where} {name!r}, and {other}() has not; allowed are the same names in both")
-        for name, place in places.items():
-            if isinstance(place, tuple) and len(place) not in (1, 2, 3):
-                problems.add(f"places()[{name!r}] has {len(place)} parts; allowed is a number, (x, z) or (x, z, angle)")
+        for name, components in places.items():
+            if isinstance(components, tuple) and len(components) not in (1, 2, 3):
+                problems.add(f"places()[{name!r}] has {len(components)} parts; allowed is a number, (x, z) or (x, z, angle)")
     elif said == ["inertia"]:
         n, rows = len(names), given["inertia"]
         if not _is_square(rows, n):
@@ -128,7 +128,7 @@ def _check_numbers(m: AnyCoordinates, problems: Problems) -> None:
     draw = random.Random(20261129)
     states = [tuple(draw.uniform(-0.9, 0.9) for _ in m.bodies) for _ in range(_LOOKS)]
     if m.has_places:
-        moved = (part for q in states for place in m.along(Moving(0.3, 1.0), q).values() for part in place)
+        moved = (part for q in states for components in m.along(Moving(0.3, 1.0), q).values() for part in components)
         if any(not everywhere(part.rate == 0.0) for part in moved):
             problems.add(
                 "places() vary with time, and prescribed motions of bodies are not there yet; allowed are functions of coordinates alone; "

@@ -108,7 +108,7 @@ class TurnedCoordinates(Turned):
     def places(self, t: Numeric, q: Mapping[str, Any]) -> Mapping[str, Any] | None:
         """The places, on the other side."""
         given = places_of_machine(self.machine, t, _negative(q))
-        return None if given is None else {name: _across(place) for name, place in given.items()}
+        return None if given is None else {name: _across(components) for name, components in given.items()}
 
     def inertia(self, q: Mapping[str, Any]) -> Any:
         """The matrix of inertia where the other machine is."""
@@ -146,8 +146,8 @@ class _TurnedController:
         return _negative(self.part.forces(t, _negative(x), _negative(v), z))
 
 
-def _across(place: Any) -> Any:
-    return tuple(part if k == 1 else -part for k, part in enumerate(place)) if isinstance(place, tuple) else -place
+def _across(components: Any) -> Any:
+    return tuple(part if k == 1 else -part for k, part in enumerate(components)) if isinstance(components, tuple) else -components
 
 
 def _negative(values: Mapping[str, Any]) -> dict[str, Any]:

@@ -70,8 +70,8 @@ def mode_of_state(flow: SwitchingFlow, y: Array, t: float = 0.0, mode: Any = Non
 
 def mode_of_strobe_state(flow: SwitchingFlow, state: Array) -> Any:
     """The mode of a strobe state, whose last number is the mode's place; below zero the state decides, as for `flow_engine.ends`."""
-    place = round(float(state[-1]))
-    return flow.modes[place] if place >= 0 else mode_of_state(flow, state[:-1], mode=list(flow.fields)[-1 - place])
+    code = round(float(state[-1]))
+    return flow.modes[code] if code >= 0 else mode_of_state(flow, state[:-1], mode=list(flow.fields)[-1 - code])
 
 
 class _Composition:

@@ -165,8 +165,8 @@ class OwnRoute:
             for name in self.mechanics.placed
         }
         M, h = [[0.0] * n for _ in range(n)], [0.0] * n
-        for name, place in places.items():
-            for m, part in zip(self._inertias(name), place, strict=False):
+        for name, components in places.items():
+            for m, part in zip(self._inertias(name), components, strict=False):
                 slopes = part.slopes
                 for j in range(n):
                     h[j] = h[j] - m * slopes[j] * part.second
@@ -184,9 +184,9 @@ class OwnRoute:
         ]
         for tension, distance in zip(tensions, distances, strict=True):
             h = [value - tension * slope for value, slope in zip(h, distance.slopes, strict=True)]
-        forces = {name: self._on_body(name, t, place, q[0]) for name, place in shape.places.items()}
-        for name, place in shape.places.items():
-            for part, force in zip(place, forces[name], strict=True):
+        forces = {name: self._on_body(name, t, components, q[0]) for name, components in shape.places.items()}
+        for name, components in shape.places.items():
+            for part, force in zip(components, forces[name], strict=True):
                 h = [value + force * slope for value, slope in zip(h, part.slopes, strict=True)]
         return _State(shape, h, forces, tensions)
 
@@ -210,15 +210,15 @@ class OwnRoute:
                 gathered[second] = gathered[second] + tension
         return [gathered[name] for name in self.names]
 
-    def _on_body(self, name: str, t: float, place: list[Jet], like: Any) -> Floats:
+    def _on_body(self, name: str, t: float, components: list[Jet], like: Any) -> Floats:
         """Force on a body along x, along z, and torque: its own, and its weight."""
-        body, plane = self.mechanics.placed[name], len(place) > 1
-        where, fast = ([noting(value, like) for value in of] for of in ([p.value for p in place], [p.rate for p in place]))
+        body, plane = self.mechanics.placed[name], len(components) > 1
+        where, fast = ([noting(value, like) for value in of] for of in ([p.value for p in components], [p.rate for p in components]))
         own = body.applied(t, tuple(where) if plane else where[0], tuple(fast) if plane else fast[0])
         forces = [*own, 0.0, 0.0][:3] if isinstance(own, tuple) else [own, 0.0, 0.0]
         if plane:
             forces[1] = forces[1] - body.mass * self.mechanics.gravity
-        return forces[: len(place)]
+        return forces[: len(components)]
 
     # ---- energies ----
     def _by_energy(self, q: Sequence[Any], u: Sequence[Any]) -> tuple[list[Floats], Floats]:
@@ -264,8 +264,8 @@ class OwnRoute:
             held = [body_of(end) in borne for end in link.ends]
             need = need + (held[0] - held[1]) * tension * (normal[0] * apart.x + normal[1] * apart.z)
         for name in borne:
-            mass, place, forces = self.mechanics.placed[name].mass, state.shape.places[name], state.forces[name]
-            for along, part, force in zip(normal, place[:2], forces, strict=False):
+            mass, components, forces = self.mechanics.placed[name].mass, state.shape.places[name], state.forces[name]
+            for along, part, force in zip(normal, components[:2], forces, strict=False):
                 need = need + along * (mass * part.second - force)
                 by = [value + along * mass * slope for value, slope in zip(by, part.slopes, strict=True)]
         return need, by
@@ -292,12 +292,12 @@ class OwnRoute:
         return -dz / length, dx / length
 
 
-def _point(place: list[Jet], at: tuple[Any, Any]) -> tuple[Jet, Jet]:
+def _point(components: list[Jet], at: tuple[Any, Any]) -> tuple[Jet, Jet]:
     """A point of a body, from its own axes."""
-    x, z, (a, b) = place[0], place[1], at
-    if len(place) < 3:
+    x, z, (a, b) = components[0], components[1], at
+    if len(components) < 3:
         return x + a, z + b
-    turn: Any = place[2]
+    turn: Any = components[2]
     c, s = cos(turn), sin(turn)
     return x + a * c - b * s, z + a * s + b * c
 
@@ -332,11 +332,11 @@ def _end(end: Any, t: float, places: dict[str, list[Jet]], n: int) -> tuple[Any,
     if body is None:
         x, z = end.at(Jet(t, [0.0] * n, 1.0, 0.0)) if callable(end.at) else end.at
         return lifted(x, n), lifted(z, n), nothing
-    place = places[body]
+    components = places[body]
     if isinstance(end, Point):
-        x, z = _point([*place, nothing][: max(2, len(place))], end.at)
+        x, z = _point([*components, nothing][: max(2, len(components))], end.at)
         return x, z, nothing
-    return place[0], place[1] if len(place) > 1 else None, place[2] if len(place) > 2 else nothing
+    return components[0], components[1] if len(components) > 1 else None, components[2] if len(components) > 2 else nothing
 
 
 def solution(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> Floats:

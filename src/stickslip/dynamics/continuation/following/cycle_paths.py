@@ -194,9 +194,9 @@ def _fitted(values: Array, rests: Array) -> tuple[float, float]:
 
 def _series(powers: Array, values: Array) -> tuple[float, float]:
     """The constant of a series by least squares, and its standard error."""
-    found, *_ = np.linalg.lstsq(powers, values, rcond=None)
-    scatter = float(np.sum((values - powers @ found) ** 2)) / (len(values) - powers.shape[1])
-    return float(found[0]), float(np.sqrt(scatter * np.linalg.inv(powers.T @ powers)[0, 0]))
+    coefficients, *_ = np.linalg.lstsq(powers, values, rcond=None)
+    scatter = float(np.sum((values - powers @ coefficients) ** 2)) / (len(values) - powers.shape[1])
+    return float(coefficients[0]), float(np.sqrt(scatter * np.linalg.inv(powers.T @ powers)[0, 0]))
 
 
 def _rest(cycle: LimitCycle, turn: int = 0) -> float:

@@ -48,8 +48,8 @@ def library(files: dict[str, str], own: str, who: str) -> bytes:
         made = Path(folder) / "library"
         done = subprocess.run([own, *FLAGS, "fmu.c", "-o", str(made), "-lm"], cwd=folder, capture_output=True, text=True, check=False)
         if done.returncode:
-            told = (done.stderr or done.stdout).strip().splitlines()
-            raise InputError(who, [f"{own} does not compile the sources: {told[0] if told else 'it says nothing'}; type binary=False"])
+            first = (done.stderr or done.stdout).strip().splitlines()
+            raise InputError(who, [f"{own} does not compile the sources: {first[0] if first else 'it says nothing'}; type binary=False"])
         return made.read_bytes()
 
 

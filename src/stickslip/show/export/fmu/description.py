@@ -85,10 +85,10 @@ class _Description:
         for i, number in enumerate(self.made.numbers):
             if not number.field and number.role != INPUT and number.name == "span":
                 continue
-            told = field_description(self.machine, number.field) if number.field else {}
+            described = field_description(self.machine, number.field) if number.field else {}
             kind = "torque" if number.name.startswith("torque") else "force"
-            words = str(told.get("label", "")) if number.field else f"{kind} that is applied"
-            unit = str(told.get("unit", "")) if number.field else self.own_units["force"]
+            words = str(described.get("label", "")) if number.field else f"{kind} that is applied"
+            unit = str(described.get("unit", "")) if number.field else self.own_units["force"]
             causality = "input" if number.role == INPUT else "parameter"
             variability = "continuous" if number.role == INPUT else "fixed" if number.role == FIXED else "tunable"
             given = {"causality": causality, "variability": variability, "start": repr(number.value)}
@@ -106,9 +106,9 @@ class _Description:
         known = unit_named(unit) if unit and unit != "1" else None
         if known is not None:
             self.units[unit] = known
-        told = {"description": words} if words else {}
+        description = {"description": words} if words else {}
         own = {"unit": unit} if known is not None else {}
-        ElementTree.SubElement(self.variables, kind, {"name": name, "valueReference": str(number), **told, **given, **own})
+        ElementTree.SubElement(self.variables, kind, {"name": name, "valueReference": str(number), **description, **given, **own})
         group = {"input": self.inputs, "output": self.outputs, "parameter": self.parameters}.get(given["causality"])
         if group is not None:
             group.append(name)

@@ -115,11 +115,11 @@ def export_fmu(
     xml, files = described(machine, made, own, own, token, __version__), sources(header(made, token, __version__))
     content: dict[str, str | bytes] = {"modelDescription.xml": xml.xml, "sources/buildDescription.xml": build_description(own)}
     content |= {f"sources/{each}": text for each, text in files.items()}
-    place, ending = this_platform()
+    platform, ending = this_platform()
     if compiles is not None:
-        content[f"binaries/{place}/{own}{ending}"] = library(files, compiles, "export_fmu")
+        content[f"binaries/{platform}/{own}{ending}"] = library(files, compiles, "export_fmu")
     written = write_whole(target, archive(content), unwritable("export_fmu"))
-    return ExportedFMU(written, own, xml.inputs, xml.outputs, xml.parameters, made.method, place if compiles is not None else None)
+    return ExportedFMU(written, own, xml.inputs, xml.outputs, xml.parameters, made.method, platform if compiles is not None else None)
 
 
 def _name(machine: Any, name: Any) -> str:
