@@ -4,7 +4,7 @@ import pytest
 
 from rows import each_row
 from stickslip.basics.interruption import PROGRESS, Interrupted, interruptible, is_stopped, look, partial_result, stop_call
-from stickslip.basics.pool import shared
+from stickslip.basics.pool import handed_out
 
 
 def test_one_worker_keeps_the_order_and_works_only_when_it_is_asked():
@@ -14,7 +14,7 @@ def test_one_worker_keeps_the_order_and_works_only_when_it_is_asked():
         begun.append(n)
         return 10 * n
 
-    results = shared(work, iter(range(5)))
+    results = handed_out(work, iter(range(5)))
     assert next(results) == (0, 0) and begun == [0]
     assert list(results) == [(n, 10 * n) for n in range(1, 5)]
 
@@ -27,7 +27,7 @@ def test_several_workers_make_the_same_and_take_few_parts_at_a_time():
             taken.append(n)
             yield n
 
-    results = shared(lambda n: n * n, parts(), workers=3)
+    results = handed_out(lambda n: n * n, parts(), workers=3)
     first = next(results)
     assert len(taken) <= 7  # two for each worker, and one after the first came back
     assert sorted([first, *results]) == [(n, n * n) for n in range(100)]
@@ -45,7 +45,7 @@ def test_no_part_is_begun_after_an_interruption_and_those_at_work_have_no_result
 
         found = []
         with partial_result() as ending:
-            for n, _ in shared(work, iter(range(1000)), workers):
+            for n, _ in handed_out(work, iter(range(1000)), workers):
                 found.append(n)
         return found, ending.interrupted
 
@@ -62,7 +62,7 @@ def test_all_parts_are_begun_after_an_interruption_where_each_looks_for_itself(w
                 stop_call(PROGRESS)
             return not is_stopped()
 
-        return [n for n, _ in shared(work, range(50), workers, all_parts=True)]
+        return [n for n, _ in handed_out(work, range(50), workers, all_parts=True)]
 
     assert sorted(squares()) == [*range(50)]
 
@@ -73,7 +73,7 @@ def test_an_interruption_without_a_call_is_an_error_like_any_other(workers):
         raise Interrupted
 
     with pytest.raises(Interrupted):
-        list(shared(work, range(3), workers))
+        list(handed_out(work, range(3), workers))
 
 
 def test_an_error_ends_the_work_of_the_other_threads():
@@ -85,4 +85,4 @@ def test_an_error_ends_the_work_of_the_other_threads():
         return n
 
     with pytest.raises(ValueError, match="two"):
-        list(shared(work, range(100), 2))
+        list(handed_out(work, range(100), 2))

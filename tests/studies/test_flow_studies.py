@@ -1,5 +1,7 @@
 """Sweeps of flows go by the lines of machines: folders that resume and refuse another flow, starts as axes, one tile after the other."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -37,5 +39,6 @@ def test_a_flow_without_names_begins_at_a_list():
     assert grid.end_y0.values == pytest.approx([-1.5, -4.0], rel=1e-14) and grid.end_y1.values == pytest.approx([-5.0, -10.0], rel=1e-14)
     with pytest.raises(ss.InputError, match=r"start = 'top'; allowed is a dict, or a list of one number for each state"):
         ss.sweep(fall, g=[5.0, 10.0], start="top", duration=1.0)
-    with pytest.raises(ss.InputError, match="a flow's functions are not sent to other machines; leave client out"):
-        ss.sweep(fall, g=[5.0, 10.0], start=[1.0, 0.0], duration=1.0, client=object())
+    with ThreadPoolExecutor(2) as pool:
+        again = ss.sweep(fall, g=[5.0, 10.0], start=[1.0, 0.0], duration=1.0, executor=pool)
+    assert again.end_y1.values.tolist() == grid.end_y1.values.tolist()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import json
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -503,28 +504,25 @@ def test_a_cluster_that_loses_a_worker_gives_the_same(whole, tmp_path):
     assert files(tmp_path / "study") == files(whole)
 
 
-def test_a_tile_travels_as_names_and_numbers():
-    """What a worker is sent is plain, and gives the tile again."""
-    from stickslip.studies.cluster import compute_tile, tile_message
+def test_a_tile_travels_with_its_own_numbers():
+    """What a worker is sent is short, and gives the tile again."""
     from stickslip.studies.planning import SOLVER, planned
     from stickslip.studies.solving import solved
 
     axes = {name: value for name, value in AXES.items() if name != "tile"}
     for along in (None, "amplitude"):
         plan = planned(RIG, (), axes, None, along, 7, **SOLVER)
-        told = tile_message(plan, 2)
-        assert told["make"] == {"module": "stickslip.models.presets.robots", "name": "piezo_rig"}
-        assert set(map(type, told.values())) <= {dict, str, int, type(None)}
+        sent = pickle.dumps(plan.alone(plan.points(2)))
         for name, values in solved(plan, 2)[0].items():
-            np.testing.assert_array_equal(compute_tile(told)[0][name], values)
-    with pytest.raises(ss.InputError, match="put it into a module"):
-        tile_message(planned(lambda a: RIG(tilt_deg=1.0, amplitude=a), (), {"a": [1e-4]}, None, None, 7, **SOLVER), 0)
+            np.testing.assert_array_equal(solved(pickle.loads(sent), 0)[0][name], values)
+    finer = planned(RIG, (), axes | {"amplitude": np.linspace(1e-4, 8e-4, 20_000)}, None, None, 7, **SOLVER)
+    assert len(pickle.dumps(finer.alone(finer.points(2)))) < 12_000
     robot = planned(RIG(tilt_deg=1.7, amplitude=4e-4), (), {"drive.amplitude": [4e-4, 5e-4]}, None, None, 7, **SOLVER)
-    assert compute_tile(tile_message(robot, 0))[0]["motion_type"].tolist() == solved(robot, 0)[0]["motion_type"].tolist()
+    there = solved(pickle.loads(pickle.dumps(robot.alone(robot.points(0)))), 0)
+    assert there[0]["motion_type"].tolist() == solved(robot, 0)[0]["motion_type"].tolist()
 
 
 def test_a_mechanism_travels_too():
-    from stickslip.studies.cluster import compute_tile, tile_message
     from stickslip.studies.planning import SOLVER, planned
     from stickslip.studies.solving import solved
 
@@ -536,4 +534,5 @@ def test_a_mechanism_travels_too():
     ]
     for bench, span in benches:
         plan = planned(bench, (), {"damping": [0.01, 0.05]}, None, None, 7, **(SOLVER | span))
-        np.testing.assert_array_equal(compute_tile(tile_message(plan, 0))[0]["displacement"], solved(plan, 0)[0]["displacement"])
+        there = solved(pickle.loads(pickle.dumps(plan.alone(plan.points(0)))), 0)[0]
+        np.testing.assert_array_equal(there["displacement"], solved(plan, 0)[0]["displacement"])

@@ -476,18 +476,18 @@ def test_a_worker_with_another_module_is_refused(tmp_path, monkeypatch):
     """The models that a worker solved are compared with those of this process."""
     import importlib
 
-    from stickslip.studies.cluster import _check_models, compute_tile, tile_message
     from stickslip.studies.model_identity import ModelIdentities
+    from stickslip.studies.running import _check_models, _elsewhere
 
     (tmp_path / "rig_of_workers.py").write_text(MODULE.format(factor=1.0, doc=""))
     monkeypatch.syspath_prepend(tmp_path)
     module = importlib.import_module("rig_of_workers")
     plan = planned(module.rig, (), dict(amplitude=AMPLITUDES), None, None, 2, **SOLVER)
-    asked, mine = tile_message(plan, 1), ModelIdentities(plan).of_tiles([1])[0]
-    _check_models(1, mine, compute_tile(asked)[2])
+    asked, mine = (1, plan.alone(plan.points(1))), ModelIdentities(plan).of_tiles([1])[0]
+    _check_models(1, mine, _elsewhere(1, asked)[2])
     monkeypatch.setattr(module, "FACTOR", 0.5)
     with pytest.raises(ss.InputError, match="a worker computed tile 1 with other models"):
-        _check_models(1, mine, compute_tile(asked)[2])
+        _check_models(1, mine, _elsewhere(1, asked)[2])
 
 
 # ---- no false alarms ----

@@ -30,6 +30,7 @@ from stickslip.basics.contracts import (
     SetValuedLaw,
 )
 from stickslip.basics.errors import InputError, NoBodies, OneContactNeeded, Problems, StickslipError, is_whole
+from stickslip.basics.executors import Executor
 from stickslip.basics.fields import checked_number, number
 from stickslip.basics.quantities import allowed_in, example_of
 
@@ -105,6 +106,13 @@ Law = Annotated[AnyLaw, Kind(_is_law, "a friction law; type for example ss.Coulo
 LawOrModel = Annotated[
     AnyLaw | AnyModel,
     Kind(lambda value: _is_law(value) or _is_model(value), f"a friction law, a Robot, a mechanism or a machine; {ROBOT}"),
+]
+Executes = Annotated[
+    Any,
+    Kind(
+        lambda value: value is None or callable(value) or isinstance(value, Executor),
+        "an executor with submit(), or a function that makes one; type for example executor=concurrent.futures.ProcessPoolExecutor(8)",
+    ),
 ]
 Numbers = Annotated[Any, Kind(_is_numbers, "a number or an array of numbers")]
 Recorded = Annotated[

@@ -335,10 +335,13 @@ class _Block:
 
 
 # ---- threads ----
-def in_threads() -> tuple[StopRequest, Callable[..., Any]]:
-    """A `StopRequest` for work in threads, which that of the call ends too, and what runs a function in a thread as a part of the call."""
+def in_threads(whole: StopRequest | None = None) -> tuple[StopRequest, Callable[..., Any]]:
+    """A `StopRequest` for work in threads, which that of the call ends too, and what runs a function in a thread as a part of the call.
+
+    `whole` stands for the call where it is made in another process.
+    """
     call = _call.get()
-    stop = StopRequest(None if call is None else call.stop)
+    stop = StopRequest(whole if call is None or whole is not None else call.stop)
     inside = _Call("", stop, 2, False, []) if call is None else call._replace(stop=stop, depth=call.depth + 1)
 
     context = contextvars.copy_context()

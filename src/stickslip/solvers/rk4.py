@@ -16,7 +16,7 @@ from stickslip.basics.batch import rows_of, with_row
 from stickslip.basics.contracts import Array, Model, OneContact
 from stickslip.basics.errors import InputError, SolveError, is_whole
 from stickslip.basics.interruption import is_stopped, look
-from stickslip.basics.pool import shared
+from stickslip.basics.pool import handed_out
 from stickslip.basics.status import Status
 from stickslip.engine import fixed_steps as engine
 from stickslip.models.friction.law_adapter import law_of
@@ -206,7 +206,7 @@ def _parts(todo: Request, kernel: engine.FixedStepKernel, rows: Any, steps: int)
         todo.progress(i + 1, len(rows))
         return result
 
-    for i, result in shared(work, range(len(rows)), todo.workers, all_parts=todo.partial):
+    for i, result in handed_out(work, range(len(rows)), todo.workers, all_parts=todo.partial):
         yield (i, i + 1), strobes.raw([result])
 
 

@@ -15,7 +15,7 @@ from stickslip.basics.batch import labels_of
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import SolveError
 from stickslip.basics.interruption import is_stopped, look, takes_some_cases
-from stickslip.basics.pool import shared
+from stickslip.basics.pool import handed_out
 from stickslip.basics.status import Status
 from stickslip.engine.kernels.columns import SEGS as SEGMENTS
 from stickslip.results.dense_output import HarmonicArcs
@@ -127,7 +127,7 @@ def shared_rows(
         return last - first
 
     done = 0
-    for _, finished in shared(part, range(0, cases, size), workers, all_parts=partial):
+    for _, finished in handed_out(part, range(0, cases, size), workers, all_parts=partial):
         done += finished
         if progress is not None and finished:
             progress(done, cases)

@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.basics.contracts import Model, Numeric
 from stickslip.basics.errors import SolveError
-from stickslip.basics.pool import shared
+from stickslip.basics.pool import handed_out
 from stickslip.basics.status import ENDS, Status
 from stickslip.engine import lanes, law_checks as checks
 from stickslip.engine.kernels.columns import SEGS as SEGMENTS
@@ -138,7 +138,7 @@ def _parts(todo: Request, kernel: lanes.Kernel, job: lanes.Job) -> Any:
         results = lanes.run(kernel, table.rows, table.start, job, progress=tell, partial=todo.partial)
         return _raw(todo, results, kernel, table)
 
-    for i, raw in shared(work, range(len(bounds)), todo.workers if len(bounds) > 1 else 1, all_parts=todo.partial):
+    for i, raw in handed_out(work, range(len(bounds)), todo.workers if len(bounds) > 1 else 1, all_parts=todo.partial):
         yield bounds[i], raw
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.basics.errors import Problems
+from stickslip.basics.executors import Workers
 from stickslip.studies.progress import Progress
 
 
@@ -29,14 +30,30 @@ class Execution:
     client: Any = None
     retries: int = 3
     progress: Callable[[Progress], Any] | bool | None = None
+    executor: Any = None
 
     def check(self) -> None:
         """`InputError` for what does not go together."""
         problems = Problems("sweep")
-        problems.whole("workers", self.workers, 1, example=2)
+        Workers(self.workers, self.executor, self.retries).note(problems)
+        if self.client is not None and self.executor is not None:
+            problems.add("client is Dask's, and executor any other; give one of them")
         if self.out is None and (self.resume or self.shard):
             problems.add("resume and shard are for a study folder; give one with out=, such as out='study'")
         problems.check()
+
+    def crew(self) -> Workers:
+        """Where the tiles are computed."""
+        if self.client is None:
+            return Workers(self.workers, self.executor, self.retries)
+        from stickslip.studies.cluster import workers_of
+
+        return workers_of(self.client, self.workers, self.retries)
+
+    def checked_crew(self) -> Workers:
+        """The same, after `check`."""
+        self.check()
+        return self.crew()
 
     def differing(self) -> list[str]:
         """Names of those that are not the default."""

@@ -11,7 +11,7 @@ import numpy as np
 from stickslip.basics.batch import cases_of, shape_of
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems
-from stickslip.basics.pool import shared
+from stickslip.basics.pool import handed_out
 from stickslip.basics.status import Status
 from stickslip.solvers import solve
 from stickslip.solvers.flow_requests import flow_request
@@ -54,7 +54,7 @@ def columns_of_flows(flow: Any, start: dict[str, Any], options: dict[str, Any], 
     flows = cases_of(flow) if shape_of(flow) else [flow] * count
     case = _case(flow, start, options, settle)
     rows: list[dict[str, Any]] = [{} for _ in flows]
-    for k, columns in shared(lambda k: case(flows[k], k), range(len(flows)), workers):
+    for k, columns in handed_out(lambda k: case(flows[k], k), range(len(flows)), workers):
         rows[k] = columns
     return {name: _column(rows, name) for name in dict.fromkeys(name for row in rows for name in row)}
 

@@ -24,7 +24,7 @@ from stickslip.studies.flow_sweeps import begun_at, own_columns, settings_of_flo
 from stickslip.studies.models_of_points import groups_of_points, refusals, starts_at
 from stickslip.studies.result_columns import COLUMNS, part_columns
 from stickslip.studies.self_excited import settled_after
-from stickslip.studies.space import Space, is_start, names_states, space_of
+from stickslip.studies.space import Column, Space, is_start, names_states, space_of
 
 #: Arguments of `solve` that a sweep passes on, with their defaults in a sweep.
 SOLVER: dict[str, Any] = {
@@ -104,6 +104,16 @@ class Plan:
         grid = [steps[None, :] if d == self.along else index[d][:, None] for d in self.space.dims]
         return np.ravel_multi_index(np.broadcast_arrays(*grid), self.space.shape)
 
+    def alone(self, points: Array) -> Plan:
+        """Some points of the space as a plan of its own with one tile: it holds the numbers of these cases only."""
+        dims = ("case",) if self.along is None else ("line", self.along)
+        columns = {name: Column(dims, values) for name, values in self.space.at(points).items()}
+        space = Space(dict(zip(dims, points.shape, strict=True)), columns, self.space.fixed, {})
+        start = {name: value if np.ndim(value) == 0 else value.ravel() for name, value in starts_at(self.start, points).items()}
+        plan = Plan(self.make, space, self.options, start, self.along, max(space.cases, 1))
+        plan.__dict__["sample"] = self.sample  # its columns are those of the whole plan
+        return plan
+
     @cached_property
     def parts(self) -> dict[str, tuple[str, ...]]:
         """Names of the bodies, contacts and stops of the first machine by dimension; empty for one body on one contact."""
@@ -181,7 +191,7 @@ def planned(
     return replace(plan, tile=int(tile) if tile else _tile(plan))
 
 
-_ARGUMENTS = (*SOLVER, "start", "workers", "progress", "out", "resume", "shard", "client", "retries", "tile", "continue_along")
+_ARGUMENTS = (*SOLVER, "start", "workers", "progress", "out", "resume", "shard", "client", "executor", "retries", "tile", "continue_along")
 
 
 def _tile(plan: Plan) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial, reduce
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +13,9 @@ import numpy as np
 from stickslip.basics.arguments import Maker, explains_arguments
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems
+from stickslip.basics.executors import Workers
 from stickslip.basics.interruption import interruptible, look, partial_result, taking_some_cases
+from stickslip.basics.pool import handed_out
 from stickslip.basics.status import Status
 from stickslip.studies.execution import Execution
 from stickslip.studies.labelling import coordinates_of_grid, dataset, provenance_of
@@ -28,7 +30,7 @@ from stickslip.studies.space import names_states
 if TYPE_CHECKING:
     import xarray as xr
 
-_CHUNK = 16384
+_CHUNK, _SMALLEST = 16384, 64  # points that are solved together
 
 
 @explains_arguments
@@ -47,7 +49,7 @@ def map(make: Maker, refine: bool = False, coarse: int = 33, **arguments: Any) -
     coarse : int
         Least number of points of the coarse grid along each axis.
     **arguments
-        As for `sweep`; exactly two of them hold several numbers. With `refine` everything is in memory: no ``out``, ``client`` or
+        As for `sweep`; exactly two of them hold several numbers. With `refine` everything is in memory: no ``out`` or
         ``continue_along``.
 
     Returns
@@ -74,7 +76,7 @@ def map(make: Maker, refine: bool = False, coarse: int = 33, **arguments: Any) -
     _check_plane(plan)
     if not refine:
         return carried_out(plan, Execution(tile=tile, **how))
-    return _Refined(plan, how.get("workers", 1), Watch(plan.cases, how.get("progress"))).grid(coarse)
+    return _Refined(plan, Execution(**how).checked_crew(), Watch(plan.cases, how.get("progress"))).grid(coarse)
 
 
 def _of_flow(flow: Any, refine: bool, arguments: dict[str, Any]) -> Any:
@@ -87,12 +89,12 @@ def _of_flow(flow: Any, refine: bool, arguments: dict[str, Any]) -> Any:
     return grid
 
 
-_HOW = ("workers", "out", "resume", "shard", "client", "retries", "progress")
+_HOW = ("workers", "out", "resume", "shard", "client", "executor", "retries", "progress")
 
 
 def _check_refining(given: dict[str, Any], coarse: Any) -> None:
     problems = Problems("map")
-    refused = [n for n in ("out", "resume", "shard", "client", "continue_along", "tile") if given.get(n)]
+    refused = [n for n in ("out", "resume", "shard", "continue_along", "tile") if given.get(n)]
     if refused:
         problems.add(f"{', '.join(refused)} cannot go with refine=True, which works in memory; leave it out, or type refine=False")
     problems.whole("coarse", coarse, 2, example=33)
@@ -116,8 +118,8 @@ def _other_axes(names: Sequence[str]) -> str:
 class _Refined:
     """A map during refinement: the columns of the whole grid, and which of its points have been computed."""
 
-    def __init__(self, plan: Plan, workers: int, watch: Watch):
-        self.plan, self.workers, self.watch, self.shape = plan, workers, watch, plan.shape
+    def __init__(self, plan: Plan, crew: Workers, watch: Watch):
+        self.plan, self.crew, self.watch, self.shape = plan, crew, watch, plan.shape
         self.columns = {name: values.reshape(self.shape) for name, values in empty(plan.cases, plan.columns).items()}
         self.known, self.asked = np.zeros(self.shape, bool), np.zeros(self.shape, bool)
         self.kind = np.full(self.shape, "", "U24")
@@ -163,9 +165,7 @@ class _Refined:
         """Solve those of some points, given by their indices, that are not known yet."""
         points = points[~self.known.ravel()[points]]
         self.asked.reshape(-1)[points] = True
-        for part in np.array_split(points, -(-len(points) // _CHUNK)) if len(points) else ():
-            look()
-            solved, notes = solved_points(self.plan, part, starts_at(self.plan.start, part), self.workers, partial(self.watch.at_work, -1))
+        for part, (solved, notes) in self._solved(points) if len(points) else ():
             there = solved["status"] != Status.NOT_COMPUTED
             part, solved = part[there], {name: values[there] for name, values in solved.items()}
             for name in self.columns:
@@ -180,6 +180,19 @@ class _Refined:
             self.watch.finished(-1, solved["status"])
             if not there.all():
                 look()
+
+    def _solved(self, points: Array) -> Iterator[tuple[Array, tuple[dict[str, Array], Counter[str]]]]:
+        """Some points at a time, with their columns and notes."""
+        if self.crew.elsewhere:
+            size = max(min(_CHUNK, -(-len(points) // (2 * self.crew.count))), _SMALLEST)
+            alone = ((part, self.plan.alone(part)) for part in _split(points, size))
+            yield from ((part, result) for (part, _), result in handed_out(_solved_alone, alone, self.crew))
+            return
+
+        def work(part: Array) -> tuple[dict[str, Array], Counter[str]]:
+            return solved_points(self.plan, part, starts_at(self.plan.start, part), self.crew.threads, partial(self.watch.at_work, -1))
+
+        yield from handed_out(work, _split(points, _CHUNK))
 
     def _settled(self, lines: tuple[Array, Array]) -> Array:
         """The cells whose corners differ; interpolated corners of such cells are computed first, until none is left."""
@@ -221,6 +234,17 @@ class _Refined:
             else:
                 filled = values[np.ix_(np.where(u[:, 0] < 0.5, i0, i1), np.where(w[:, 0] < 0.5, j0, j1))]
             values[cells] = np.where(new, filled, values[cells])
+
+
+def _split(points: Array, size: int) -> list[Array]:
+    return np.array_split(points, -(-len(points) // size))
+
+
+def _solved_alone(part: tuple[Array, Plan]) -> tuple[dict[str, Array], Counter[str]]:
+    """Solve some points in a worker."""
+    plan = part[1]
+    points = np.arange(plan.cases)
+    return solved_points(plan, points, starts_at(plan.start, points))
 
 
 def _crossed(first: Array, second: Array, shape: tuple[int, ...]) -> Array:

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stickslip.basics.arguments import Maker, explains_arguments
+from stickslip.basics.arguments import Executes, Maker, explains_arguments
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
+from stickslip.basics.executors import Workers
 from stickslip.basics.interruption import interruptible, look, partial_result, taking_some_cases
-from stickslip.basics.pool import shared
+from stickslip.basics.pool import handed_out
 from stickslip.basics.status import Status
 from stickslip.solvers.methods import takes_closed_arcs
 from stickslip.studies.designs import SweepDesign
@@ -52,6 +53,7 @@ def sweep(
     shard: tuple[int, int] | str | None = None,
     tile: int | None = None,
     client: Any = None,
+    executor: Executes = None,
     retries: int = 3,
     progress: Callable[[Progress], Any] | bool | None = None,
     observe: dict[str, Any] | None = None,
@@ -97,6 +99,10 @@ def sweep(
         Cases that are computed and written together.
     client : dask.distributed.Client, optional
         Compute there instead of locally: each tile is a task.
+    executor : executor or callable, optional
+        Compute there instead of locally: anything that has the ``submit`` of `concurrent.futures.Executor`, such as a
+        `ProcessPoolExecutor`; or a function that makes one, which is asked again if the pool breaks. `workers` is then the number of
+        its workers. The results do not depend on it.
     retries : int
         How often a tile is retried after it failed or its worker was lost.
     progress : callable or bool, optional
@@ -127,7 +133,7 @@ def sweep(
     >>> dict(grid.sizes), grid.motion_type.sel(tilt_deg=1.7).values.tolist()
     ({'amplitude': 2, 'tilt_deg': 2}, ['II', 'III'])
     """
-    how = Execution(workers, out, resume, shard, tile, client, retries, progress)
+    how = Execution(workers, out, resume, shard, tile, client, retries, progress, executor)
     options: dict[str, Any] = {
         "periods": periods,
         "duration": duration,
@@ -144,20 +150,19 @@ def sweep(
 
 def carried_out(plan: Plan, how: Execution) -> Any:
     """Run a plan, in memory or in a folder, and return its dataset."""
-    how.check()
-    out, client, workers, retries = how.out, how.client, how.workers, how.retries
+    out, crew = how.out, how.checked_crew()
     watch = Watch(plan.cases, how.progress)
     if out is None:
-        return _in_memory(plan, how, watch)
+        return _in_memory(plan, how, crew, watch)
     from stickslip.studies.folder import StudyFolder
     from stickslip.studies.opening import open_study
     from stickslip.studies.tiles import read_tile
 
-    study = StudyFolder.begin(Path(out), plan, resume=how.resume, shard=how.shard, keep=client is None and plan.along is None)
+    study = StudyFolder.begin(Path(out), plan, resume=how.resume, shard=how.shard, keep=not crew.elsewhere and plan.along is None)
     watch.resumed(sum(len(range(*plan.bounds(k))) for k in study.done))
     todo = study.todo
     with partial_result() as ending:
-        for k, columns, notes, models in tiles_of(plan, todo, workers, client, retries, watch, study.identities):
+        for k, columns, notes, models in tiles_of(plan, todo, crew, watch, study.identities):
             study.write(k, columns, notes, models)
             watch.finished(k, columns["status"])
     study.finish()
@@ -176,16 +181,15 @@ def carried_out(plan: Plan, how: Execution) -> Any:
     return grid
 
 
-def _in_memory(plan: Plan, how: Execution, watch: Watch) -> Any:
+def _in_memory(plan: Plan, how: Execution, crew: Workers, watch: Watch) -> Any:
     """The dataset of all columns of a plan; an error common to all cases is raised."""
-    workers, client = how.workers, how.client
-    if how.tile is None and plan.along is None and plan.tile > 16 and (client is None or workers == 1):
-        plan = replace(plan, tile=_tile_in_memory(plan, workers))
-    whole, notes, left = vacant(plan.cases, plan.columns), Counter[str](), set(range(plan.tiles))
+    if how.tile is None and plan.along is None and plan.tile > 16:
+        plan = replace(plan, tile=_tile_in_memory(plan, crew))
+    whole, by_tile, left = vacant(plan.cases, plan.columns), dict[int, dict[str, int]](), set(range(plan.tiles))
     with partial_result() as ending, taking_some_cases():
-        for k, columns, remarks, _ in tiles_of(plan, range(plan.tiles), workers, client, how.retries, watch):
+        for k, columns, remarks, _ in tiles_of(plan, range(plan.tiles), crew, watch):
             _put(whole, plan.bounds(k), columns)
-            notes.update(remarks)
+            by_tile[k] = remarks
             left.remove(k)
             watch.finished(k, columns["status"])
             if (columns["status"] == Status.NOT_COMPUTED).any():
@@ -193,6 +197,9 @@ def _in_memory(plan: Plan, how: Execution, watch: Watch) -> Any:
     for k in left:
         first, last = plan.bounds(k)
         _put(whole, (first, last), empty(last - first, plan.columns))
+    notes = Counter[str]()
+    for k in sorted(by_tile):
+        notes.update(by_tile[k])
     if ending.interrupted:
         notes[ending.note(Status.NOT_COMPUTED.sentence)] = int((whole["status"] == Status.NOT_COMPUTED).sum())
     if all_failed(whole["status"]):
@@ -200,9 +207,10 @@ def _in_memory(plan: Plan, how: Execution, watch: Watch) -> Any:
     return dataset(plan, whole, {"provenance": provenance_of(plan)}, notes)
 
 
-def _tile_in_memory(plan: Plan, workers: int) -> int:
+def _tile_in_memory(plan: Plan, crew: Workers) -> int:
     """A tile size for threads that share the work: if cases are fast, small tiles only make the threads wait for each other."""
-    if plan.sample is not None and takes_closed_arcs(plan.options["method"], plan.sample):
+    workers = crew.count
+    if not crew.elsewhere and plan.sample is not None and takes_closed_arcs(plan.options["method"], plan.sample):
         return 32768 if plan.cases >= 8 * 32768 else 16384
     return 16384 if workers == 1 else max(min(plan.tile, -(-plan.cases // (4 * workers))), 64)
 
@@ -215,30 +223,44 @@ def _put(whole: dict[str, Array], bounds: tuple[int, int], columns: dict[str, Ar
         whole[name][first:last] = values
 
 
-def tiles_of(
-    plan: Plan, todo: Any, workers: int, client: Any, retries: int, watch: Watch, identities: ModelIdentities | None = None
-) -> Iterator[Done]:
+def tiles_of(plan: Plan, todo: Iterable[int], crew: Workers, watch: Watch, identities: ModelIdentities | None = None) -> Iterator[Done]:
     """Index, columns, notes and models of each tile, as they are finished.
 
-    The models are identified if the results are kept in a folder (`identities` is given) or come from a cluster.
+    The models are identified if the results are kept in a folder (`identities` is given).
     """
     todo = list(todo)
-    if client is not None:
-        from stickslip.studies.cluster import tiles_from
-
-        if plan.of_flow:
-            raise InputError("sweep", ["a flow's functions are not sent to other machines; leave client out, and give workers=2"])
-        if plan.observed:
-            raise InputError(
-                "sweep", ["observe or events and client cannot go together: functions are not sent to other machines; leave one out"]
-            )
-
-        yield from tiles_from(plan, todo, client, retries, watch, identities or ModelIdentities(plan))
+    if crew.elsewhere:
+        every = identities.every if identities else None
+        for (k, _), (columns, notes, models) in handed_out(partial(_elsewhere, every), _alone(plan, todo), crew):
+            if identities:
+                _check_models(k, identities.of_tiles([k])[0], models)
+            yield k, columns, notes, models
         return
-    several = workers > 1 and len(todo) > 1
+    several = crew.threads > 1 and len(todo) > 1
 
     def work(k: int) -> tuple[dict[str, Array], dict[str, int], str]:
-        return solved_models(plan, k, 1 if several else workers, partial(watch.at_work, k), identities)
+        return solved_models(plan, k, 1 if several else crew.threads, partial(watch.at_work, k), identities)
 
-    for k, done in shared(work, todo, workers if several else 1):
+    for k, done in handed_out(work, todo, crew.threads if several else 1):
         yield (k, *done)
+
+
+def _alone(plan: Plan, tiles: list[int]) -> Iterator[tuple[int, Plan]]:
+    """Tiles with their numbers, each as a plan of its own."""
+    return ((k, plan.alone(plan.points(k))) for k in tiles)
+
+
+def _elsewhere(every: int | None, tile: tuple[int, Plan]) -> tuple[dict[str, Array], dict[str, int], str]:
+    """Compute a tile in a worker; every so-many-th of its models is identified as it is there."""
+    plan = tile[1]
+    return solved_models(plan, 0, 1, None, None if every is None else ModelIdentities(plan, every))
+
+
+def _check_models(k: int, mine: str, theirs: str) -> None:
+    """Raise an `InputError` if a worker has other models than this process."""
+    if mine != theirs:
+        what = f"a worker computed tile {k} with other models than the maker gives here"
+        why = "its module, or something that it uses, is another there"
+        raise InputError(
+            "sweep", [f"{what}: {why}; restart the workers with the module that you use, and type resume=True if out= is given"]
+        )

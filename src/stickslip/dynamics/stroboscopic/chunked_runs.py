@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from stickslip.basics import pool
+from stickslip.basics.pool import handed_out
 from stickslip.studies.progress import Progress, Watch
 
 T = TypeVar("T")
@@ -62,7 +62,7 @@ def over_chunks(
         return work(part, tell)
 
     todo = chunks_of(cases, size)
-    first = pool.shared(done, todo[:1], 1)  # compiles what all of them need
-    for part, result in chain(first, pool.shared(done, todo[1:], workers)):
+    first = handed_out(done, todo[:1], 1)  # compiles what all of them need
+    for part, result in chain(first, handed_out(done, todo[1:], workers)):
         watch.finished(part.start, np.zeros(part.stop - part.start, int))
         yield part, result

@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import Problems
 from stickslip.basics.interruption import look
-from stickslip.basics.pool import shared
+from stickslip.basics.pool import handed_out
 from stickslip.inverse.identification.covariance import effective
 from stickslip.inverse.identification.search import polished_to_end
 from stickslip.inverse.identification.uncertainty import widening
@@ -67,7 +67,7 @@ def bootstrap(fit: Fit, repeats: int, seed: int, workers: int = 1) -> Any:
     resampled = [_resampled_problem(fit, np.random.default_rng([seed, r])) for r in range(repeats)]
     points, settled = _stepped(fit, resampled, workers)
     finished = partial(_finished, fit, resampled)
-    for r, end in shared(finished, [r for r in range(repeats) if not settled[r]], workers):
+    for r, end in handed_out(finished, [r for r in range(repeats) if not settled[r]], workers):
         points[r] = end.point
     free = fit.problem.parameters.free
     table = np.stack([np.array([float(f.outer(p)) for f, p in zip(free, point, strict=False)]) for point in points])
@@ -111,7 +111,7 @@ def _residuals(problems: list[Any], points: Array, which: Any, workers: int) -> 
     if problems[0].batched:
         least, most = problems[0].ends(points[which])
         return np.stack([problems[r].rest((least[:, k], most[:, k]), points[r]) for k, r in enumerate(which)])
-    by_replicate = dict(shared(lambda r: problems[r].residuals(points[r]), which, workers))
+    by_replicate = dict(handed_out(lambda r: problems[r].residuals(points[r]), which, workers))
     return np.stack([by_replicate[r] for r in which])
 
 
