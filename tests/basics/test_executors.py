@@ -75,7 +75,7 @@ class Broken(Executor):
 
 
 def test_a_pool_that_is_broken_for_good_says_what_to_type():
-    with pytest.raises(ss.StickslipError, match="the workers of the executor are gone .* give a function that makes the executor"):
+    with pytest.raises(ss.StickslipError, match=r"the workers of the executor are gone .* give a function that makes the executor"):
         list(handed_out(abs, range(3), Workers(2, Broken())))
     with pytest.raises(ss.StickslipError, match="4 times without a chunk finished in between"):
         list(handed_out(abs, range(3), Workers(2, Broken)))
