@@ -86,15 +86,16 @@ def _address(unit: Any, name: str) -> int:
 
 
 #: What follows the driver's own texts where it does more: for more cases than lanes, and for a case that is held between calls.
-_BEHIND = {"advance": (), "advance_pooled": ("pooling",), "advance_to": ("advancing",)}
+_BEHIND = {"advance": (), "advance_pooled": ("pooling",), "advance_to": ("advancing",), "follow": ("advancing", "following")}
+_TAKES = {"follow": "int64(f1, int64, i1, f2, i1, f2)"}  # what takes otherwise than the others
 
 
 @lru_cache
 def load(name: str = "advance") -> Any:
-    """The compiled driver, `advance`; or that for more cases than lanes, `advance_pooled`, or for one that is held, `advance_to`."""
+    """The compiled driver, `advance`; for more cases than lanes `advance_pooled`; for a held one `advance_to`, or leg by leg `follow`."""
     texts = ("columns", "flags", "noting_segments", "watching", "driving_lanes", *_BEHIND[name])
     constants = [cache.SHORT_LOOPS, *_shared_constants()]
-    text = source("the driver of all kernels", {name: "int64(f1, int64, int64, i1)"}, constants, texts, written)
+    text = source("the driver of all kernels", {name: _TAKES.get(name, "int64(f1, int64, int64, i1)")}, constants, texts, written)
     return getattr(cache.load(text, f"driver_{name}", "what all kernels share"), name)
 
 

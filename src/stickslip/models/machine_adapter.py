@@ -262,6 +262,18 @@ class MachineAdapter:
         return own if own is not None else (self.model, {"applied force": 1.0}) if self.drive is None else None
 
     @property
+    def commands(self) -> dict[str, tuple[Any, str, str]]:
+        """What may command it in a record, by role: the machine that takes numbers for it, and the names of that number and of its start.
+
+        Examples
+        --------
+        >>> import stickslip as ss
+        >>> {role: names for role, (_, *names) in machine_of(ss.Joint.example()).commands.items()}
+        {'command': ['control.target', 'angle']}
+        """
+        return dict(getattr(self.model, "commands", {}))
+
+    @property
     def is_pulled(self) -> bool:
         """Whether a spring with a steadily moving far end pulls it."""
         return hasattr(self.model, "far_end_velocity")

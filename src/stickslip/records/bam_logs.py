@@ -14,7 +14,8 @@ from stickslip.records.raw import Raw, RawColumn, unmarked
 
 #: Units and roles of what an entry holds; a load of the servo's own is no force in a unit, and a goal is what was commanded.
 _ENTRY: dict[str, tuple[str | None, str | None]] = {
-    "position": ("rad", None), "speed": ("rad/s", "velocity"), "goal_position": ("rad", ""), "input_volts": ("V", ""), "volts": ("V", ""),
+    "position": ("rad", None), "speed": ("rad/s", "velocity"), "goal_position": ("rad", "command"),
+    "input_volts": ("V", ""), "volts": ("V", ""),
     "torque": ("N m", None), "current": ("A", None), "load": (None, ""), "temp": (None, ""), "control": (None, ""),
 }  # fmt: skip
 _BEGINNING = 4096  # bytes in which the first entry begins

@@ -15,6 +15,7 @@ from stickslip.basics.units import unit_named
 #: What a channel can be for. "velocity" and "position" are those of the body; the paper calls its velocity convected.
 ROLES = (
     "velocity", "absolute velocity", "position", "force", "load", "drive", "acceleration", "pressure", "voltage", "current", "weight",
+    "command",
 )  # fmt: skip
 #: What is typed for a channel that is to have no role, whatever its name and its unit say.
 UNUSED = "unused"
@@ -22,6 +23,7 @@ UNUSED = "unused"
 MEASURED = {
     "velocity": ("velocity", "angular velocity"), "absolute velocity": ("velocity", "angular velocity"), "position": ("position", "angle"),
     "acceleration": ("acceleration", "angular acceleration"), "force": ("force", "torque"), "load": ("force",), "weight": ("ratio",),
+    "command": ("angle", "position"),
     "drive": ("velocity", "position", "acceleration", "voltage", "angle", "angular velocity", "angular acceleration"),
 }  # fmt: skip
 #: An interval longer than this many usual ones is a gap.

@@ -22,6 +22,7 @@ _ROLE_WORDS = (
     (r"drive.*|relative velocity|xi_rate", "drive"),
     (r"friction.*|force|kraft|torque|drehmoment", "force"),
     (r"weights?", "weight"),
+    (r"(command|goal|target|set_?point|desired|commanded|soll)([ _](position|pos|angle|q))?|q_(cmd|des|ref|target)", "command"),
     (r"v|velocity|vel|geschwindigkeit", "velocity"),
     (r"x|position|pos|displacement|weg|angle|winkel", "position"),
 )

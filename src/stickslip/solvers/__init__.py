@@ -8,7 +8,8 @@ rows of many bodies what moves together steps by itself. A *dynamic* law (`rate`
 guards. A law *with discrete memory* (`modes`, `switches`) is the same with flags that guards switch.
 
 `simulation` is a machine that goes on step by step, in a loop of its user's, with the steps of the same methods: `moments` has the step
-from one moment to the next, `held_machines` and `held_flows` what its lane follows.
+from one moment to the next, `held_machines` and `held_flows` what its lane follows. `followed` takes many cases through the instants at
+which a recorded command changes.
 
 `methods` has the methods as objects; the first that accepts the equations runs. `plain` is the judge: SciPy on the same
 mechanics in Python floats, which shares no line with the engine (`equations` in one mode, `guards` that end it, `choosing` and

@@ -160,11 +160,13 @@ def test_the_published_friction_models_of_a_servo(model):
 
 @pytest.mark.skipif(not DATA.is_dir(), reason="STICKSLIP_DATA has no folder bam")
 def test_all_parameter_sets_are_read_and_written():
-    """37 sets: the load at some state is that of the published formula, before and after to_bam."""
+    """37 sets: the load at some state is that of the published formula, before and after to_bam, and what is written is what was read."""
     sets = sorted(DATA.glob("*.json"))
     for path in sets:
         p = json.loads(path.read_text())
         load = ss.machines.ServoLoad.from_bam(p)
+        written = load.to_bam()
+        assert written == {name: p[name] for name in written}, path.name
         for one in (load, ss.machines.ServoLoad.from_bam(load.to_bam())):
             for v, motor, external in ((0.4, 0.3, -0.7), (-1.5, 0.9, -0.2), (0.1, 0.5, 0.4)):
                 value = one(0.0, 0.0, v, {"motor": motor, "gravity": external})

@@ -1,7 +1,8 @@
 """Models beside measured records: comparison, fits with their uncertainty, ranking of laws, design of the next experiment.
 
-Three problems show what a record tells: steady curves of machines (`steady_problem`), mean velocities
-(`mean_velocity_problem`), and forces over a prescribed motion (`force_problem`; of machines in `logs_of_machines`).
+Four problems show what a record tells: steady curves of machines (`steady_problem`), mean velocities
+(`mean_velocity_problem`), and forces over a prescribed motion (`force_problem`; of machines in `logs_of_machines`). A fourth simulates the
+angles that follow a recorded command (`commanded_logs`).
 `least_squares` makes one problem of each: the sensor's effects (`sensors`), residuals in standard deviations, and a row for
 each number of which something is known beforehand. Search, profiles, bootstrap and ranking see that problem only. Covariances
 (`covariance`) take correlated noise into account; `formulas` names the combinations that are determined where single numbers

@@ -30,7 +30,7 @@ def parameter_rows(fit: Fit) -> list[dict[str, str]]:
 
 
 #: Kinds of values that are forces, or what stands for them, over a motion that was measured.
-OVER_MOTION = ("force", "applied force", "torque", "current")
+OVER_MOTION = ("force", "applied force", "torque", "current", "angle")
 
 
 def error_text(fit: Fit, name: str) -> str:
@@ -47,7 +47,8 @@ def stated(fit: Fit, row: dict[str, str]) -> str:
 
 
 _LISTED = 4  # mean velocities, of which each has a line of its own
-_UNITS = {"velocity": "m/s", "position": "m", "mean": "m/s", "force": "N", "applied force": "N", "torque": "N m", "current": "A"}
+_UNITS = {"velocity": "m/s", "position": "m", "mean": "m/s", "force": "N", "applied force": "N", "torque": "N m", "current": "A",
+          "angle": "rad"}  # fmt: skip
 
 
 def unit_of_values(target: Any) -> str:

@@ -18,6 +18,7 @@ from stickslip.basics.interruption import interruptible
 from stickslip.basics.phrases import counted
 from stickslip.basics.progress import reporting
 from stickslip.basics.quantities import between
+from stickslip.inverse.identification.commanded_logs import CommandedProblem, command_log, takes_commands
 from stickslip.inverse.identification.constant_speeds import is_of_constant_speeds, motion_at_constant_speeds
 from stickslip.inverse.identification.covariance import noise_scale, spread_of
 from stickslip.inverse.identification.drive_harmonics import with_harmonics
@@ -164,13 +165,19 @@ def identify(
     problem = problem_of(records, make, free, tied, arguments, how)
     notes = _notes(records, problem)
     rough = problem.rough()
-    best, agree = searched(rough, starts, seed, reporting(progress, "identify"), partial(nested_seeds, rough, starts, seed))
+    best, agree = searched(rough, starts, seed, reporting(progress, "identify"), partial(_seeds, rough, starts, seed))
     problem, best = finished(problem, best)
     spared = [] if best.stopped else spared_numbers(problem, best)
     problem, best = held_back(weigh, problem, best if best.stopped else canonical(problem, best, spared))
     notes += outlier_notes(problem) + spared_note(spared)
     solved = problem.solves + rough.solves
     return _fit(problem, best, starts, agree, notes, seed, tuple(records), solved, weigh)
+
+
+def _seeds(rough: MeasuredProblem, starts: int, seed: int) -> list[Any]:
+    """Whole points from which steps are taken in any case: the guess of the user, and the best of simpler laws."""
+    guesses = [np.array([*point, *(n.value for n in rough.numbers)]) for point in rough.model.guesses()]
+    return guesses or nested_seeds(rough, starts, seed)
 
 
 def as_list(records: Any) -> list[Any]:
@@ -193,6 +200,8 @@ def problem_of(
     _refuse_chance(first[0], machines)
     if machines and (how.using == "force" or (how.using == "auto" and takes_records(first[0], records))):
         model: Any = _moved(records, of, how.noise, first)
+    elif machines and how.using in ("auto", "position") and takes_commands(first[0], records):
+        model = _commanded(records, of, how, first)
     elif how.using == "force" or (how.using == "auto" and not machines):
         _check_forces(records)
         model = _driven(records, of, how.load, how.noise, first, how.transient or how.sensor is None)
@@ -298,6 +307,12 @@ def _moved(records: list[Any], of: Parameters, noise: float | None, first: list[
     benches = (bench_of(model, rec, f"record {i}") for i, (model, rec) in enumerate(zip(first, records, strict=True)))
     known = tuple(dataclasses.replace(bench, given_sigma=noise is not None) for bench in benches)
     return _over_motions(of, known, noise, [law for model in first for law in machine_of(model).laws])
+
+
+def _commanded(records: list[Any], of: Parameters, how: FitSettings, first: list[Any]) -> CommandedProblem:
+    """The problem of logs of a command and the angle that followed."""
+    logs = tuple(command_log(model, rec, how.noise, f"record {i}") for i, (model, rec) in enumerate(zip(first, records, strict=True)))
+    return CommandedProblem(of, logs, how.rtol)
 
 
 def _over_motions(of: Parameters, targets: tuple[Any, ...], noise: float | None, laws: list[LawAdapter]) -> DrivenProblem:

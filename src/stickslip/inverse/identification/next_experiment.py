@@ -84,6 +84,9 @@ def next_experiment(
     problems = Problems("next_experiment")
     settings = settings_of(experiments, problems)
     kind = fit.problem.targets[0].kind
+    if kind == "angle":
+        why = "experiments with a command are not foreseen yet; allowed is a fit of forces, torques, currents or steady motion"
+        raise InputError("next_experiment", [f"{why}; add a log with another load, or a faster command"])
     usual = {
         "using": (using or (kind if kind in USES else "velocity")),
         "sensor": sensor,

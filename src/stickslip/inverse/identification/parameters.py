@@ -339,6 +339,10 @@ class OverParameters:
         """The same fit of a law without some effects."""
         return self._like(parameters=self.parameters.leaving_out(effects))
 
+    def guesses(self) -> list[Any]:
+        """Places that the user proposes; none."""
+        return []
+
     def aligned(self, point: Array) -> Any:
         """Nothing is aligned: there is no phase besides the parameters."""
         return np.asarray(point, float)

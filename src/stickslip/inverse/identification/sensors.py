@@ -53,12 +53,17 @@ EFFECTS = {
     "offset": Effect(("velocity", "force", *_APPLIED), 0.0, None, True, ""),
     "drift": Effect(("velocity", "position", "force", *_APPLIED), 0.0, None, True, "/s", timed=True),
     "gain": Effect(("velocity", "position", "force", *_APPLIED), 1.0, Distribution("normal", 1.0, 0.02), True, None),
-    "delay": Effect(("force", *_APPLIED), 0.0, None, True, None, "s", timed=True),
+    "delay": Effect(("force", "angle", *_APPLIED), 0.0, None, True, None, "s", timed=True),
     "preload": Effect(("force",), 0.0, None, False, None, "N"),
     "inertia": Effect(("force",), 0.0, None, False, None, "kg", timed=True),
     "start": Effect(("force", *_APPLIED), 0.0, Distribution("uniform", -1.5, 1.5), False, None),  # a slow slide bends by 1
+    "zero": Effect(
+        ("angle",), 0.0, Distribution("normal", 0.0, 0.02), True, None, "rad"
+    ),  # where the encoder's zero is, from the hanging position
+    "begin": Effect(("angle",), 0.0, None, True, ""),  # the angle at the first sample, beside the measured one
 }
-_OF_THE_CONTACT = ("preload", "start")
+_OF_THE_MODEL = ("preload", "start", "zero", "begin")
+_LATE = ("zero", "begin")  # small corrections, which the search leaves to the steps from its best place
 _DELAY = 5.0  # samples by which a delay is looked for where nothing is typed
 _PRESSED = 0.999  # of the least load, that a preload may take away
 _ENOUGH = 60  # values of a record that bear all numbers of its sensor
@@ -99,12 +104,12 @@ class SensorNumber:
     @property
     def in_the_model(self) -> bool:
         """Whether it changes what the model gives, and not what the sensor makes of that."""
-        return self.what in _OF_THE_CONTACT
+        return self.what in _OF_THE_MODEL
 
     @property
     def searched(self) -> bool:
         """Whether the search moves it, and not only the steps from its best place."""
-        return True
+        return self.what not in _LATE
 
     @property
     def family(self) -> str:

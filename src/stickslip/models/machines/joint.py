@@ -354,6 +354,14 @@ class Joint(TakesInput, Machine):
             return self.replace(none | {"motor": None, "torque": 0.0}), {**per, "torque": self.gear_ratio}
         return self.replace(none | {"torque": 0.0}), {**per, "torque": self.gear_ratio}
 
+    @property
+    def commands(self) -> dict[str, tuple[Any, str, str]]:
+        """The joint under a recorded command: the target of its controller, or the motor's voltage or current."""
+        if self.control is not None:
+            return {"command": (self.replace({"control": self.control.replace(target=0.0)}), "control.target", "angle")}
+        own = None if self.motor is None else {"V": "voltage", "A": "current"}[self.motor.unit]
+        return {} if own is None else {own: (self.replace({own: 0.0}), own, "angle")}
+
     def controllers(self) -> Mapping[str, Any]:
         """The PID controller."""
         if self.control is None:

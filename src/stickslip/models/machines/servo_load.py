@@ -21,6 +21,15 @@ _OF_BAM = {
     "external_stribeck": "load_friction_external_stribeck", "motor_quad": "load_friction_motor_quad",
     "external_quad": "load_friction_external_quad", "v_s": "dtheta_stribeck", "exponent": "alpha",
 }  # fmt: skip
+_FRICTION, _STRIBECK, _GEAR = ("base", "viscous"), ("stribeck", "v_s", "exponent"), ("motor", "external")
+_GEAR_STRIBECK, _QUADRATIC = ("motor_stribeck", "external_stribeck"), ("motor_quad", "external_quad")
+#: The models of BAM in order: the numbers that each has, and whether both torques share theirs.
+_MODELS = {
+    "m1": (_FRICTION, False), "m2": (_FRICTION + _STRIBECK, False), "m3": (_FRICTION + _GEAR, True),
+    "m4": (_FRICTION + _STRIBECK + _GEAR + _GEAR_STRIBECK, True), "m5": (_FRICTION + _STRIBECK + _GEAR + _GEAR_STRIBECK, False),
+    "m6": (_FRICTION + _STRIBECK + _GEAR + _GEAR_STRIBECK + _QUADRATIC, False),
+}  # fmt: skip
+_SHARED = {"motor": "load_friction_base", "motor_stribeck": "load_friction_stribeck"}  # what M3 and M4 have for both torques
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,25 +162,37 @@ class ServoLoad(Frozen):
                 "ServoLoad.from_bam", [f"the parameters have no {' and no '.join(lacking)}, but {given}; allowed is a set of BAM"]
             )
         numbers = {own: float(parameters[name]) for own, name in _OF_BAM.items() if name in parameters}
-        for own, name in (("", "load_friction_base"), ("_stribeck", "load_friction_stribeck")):  # M3 and M4 have one for both torques
+        for own, name in _SHARED.items():
             if name in parameters:
-                numbers |= {f"motor{own}": float(parameters[name]), f"external{own}": float(parameters[name])}
+                numbers |= {own: float(parameters[name]), own.replace("motor", "external"): float(parameters[name])}
         return cls(**numbers)
 
     def to_bam(self) -> dict[str, Any]:
-        """The same as a parameter set of BAM, of the simplest of M1, M2, M5 and M6 that holds it; the motor's numbers are not in it.
+        """The same as a parameter set of BAM, of the first of M1 to M6 that holds it; the motor's numbers are not in it.
 
         Examples
         --------
         >>> ServoLoad(base=0.05, viscous=0.1).to_bam()
         {'friction_base': 0.05, 'friction_viscous': 0.1, 'model': 'm1'}
+        >>> ServoLoad(base=0.05, viscous=0.1, motor=0.2, external=0.2).to_bam()["load_friction_base"]
+        0.2
         """
-        gear = ("motor", "external", "motor_stribeck", "external_stribeck")
-        quad = ("motor_quad", "external_quad")
-        model = "m6" if any(getattr(self, name) for name in quad) else "m5" if any(getattr(self, name) for name in gear) else "m2"
-        model = "m1" if model == "m2" and not self.stribeck else model
-        left_out = {"m1": (*quad, *gear, "stribeck", "v_s", "exponent"), "m2": (*quad, *gear), "m5": quad, "m6": ()}[model]
-        return {name: float(getattr(self, own)) for own, name in _OF_BAM.items() if own not in left_out} | {"model": model}
+        names, shared = _MODELS[self.model]
+        numbers = {own: float(getattr(self, own)) for own in names if not (shared and own.startswith("external"))}
+        return {(_OF_BAM | (_SHARED if shared else {}))[own]: value for own, value in numbers.items()} | {"model": self.model}
+
+    @property
+    def model(self) -> str:
+        """The first of BAM's models, "m1" to "m6", that holds its numbers.
+
+        Examples
+        --------
+        >>> ServoLoad(base=0.05, motor=0.2, external=0.2).model, ServoLoad(base=0.05, motor=0.2).model
+        ('m3', 'm5')
+        """
+        acting = {own for own in _OF_BAM if own not in ("v_s", "exponent") and getattr(self, own)}
+        alike = self.motor == self.external and self.motor_stribeck == self.external_stribeck
+        return next(name for name, (names, shared) in _MODELS.items() if acting <= {*names} and (alike or not shared))
 
     @classmethod
     def example(cls) -> ServoLoad:

@@ -74,6 +74,8 @@ def friction_curve(fit: Fit, record: int = 0, ax: Ax = None) -> Any:
     'velocity (mm/s)'
     """
     target = _motion(fit, record)
+    if target.kind == "angle":
+        raise InputError("plot", ["no torque was measured, from which friction would follow; type ss.plot.over_time(fit) for the angle"])
     law, load, per = _law_and_load(fit, record)
     _, _, v = target.moved
     grid = _velocities(v)
@@ -137,7 +139,7 @@ def over_time(fit: Fit, record: int = 0, ax: Ax = None) -> Any:
     """
     target = _motion(fit, record)
     t, _, v = target.moved
-    curve, part = fit.predicted[record], _some_strokes(t, v)
+    curve, part = fit.predicted[record], slice(None) if target.kind == "angle" else _some_strokes(t, v)
     y = curve - residual_values(fit, record)
     factor, letter = prefix(y)
     ax = axes(ax)

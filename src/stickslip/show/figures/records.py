@@ -34,7 +34,7 @@ def _measured(ax: Axes, x: Array, y: Array, factor: float, label: str) -> None:
 
 
 def _words(kind: str, unit: str) -> str:
-    units = {"velocity": "m/s", "position": "m", "force": "N", "torque": "N m", "current": "A", "applied force": "N"}
+    units = {"velocity": "m/s", "position": "m", "force": "N", "torque": "N m", "current": "A", "applied force": "N", "angle": "rad"}
     return f"{'friction force' if kind == 'force' else kind} ({unit}{units[kind]})"
 
 

@@ -11,10 +11,12 @@ if TYPE_CHECKING:
     from stickslip.inverse.identification.fit import Fit
 
 
-#: The figure of each file, with its heading: of forces over a motion, of forces at speeds, and of motions over the drive's period.
+#: The figure of each file, with its heading: of forces over a motion, of forces at speeds, of angles under a command, and of motions over
+#: the drive's period.
 _FRICTION, _RESIDUALS = ("friction_curve", "Friction against velocity"), ("residuals_over_velocity", "Residuals")
 _OVER_MOTION = {"curve": ("over_time", "The fit over the data"), "friction": _FRICTION, "residuals": _RESIDUALS}
 _AT_SPEEDS = {"friction": _FRICTION, "residuals": _RESIDUALS}
+_COMMANDED = {name: _OVER_MOTION[name] for name in ("curve", "residuals")}
 _STEADY = {"curve": ("fitted", "The fit over the data"), "residuals": ("residuals", "Residuals")}
 
 
@@ -22,6 +24,8 @@ def figures_of(fit: Fit) -> dict[str, tuple[str, str]]:
     """The figures that show a fit: the name of the file, and for each the function that draws it and its heading."""
     if not all(t.kind in OVER_MOTION for t in fit.problem.targets):
         return _STEADY
+    if all(t.kind == "angle" for t in fit.problem.targets):
+        return _COMMANDED
     return _AT_SPEEDS if all(t.timeless for t in fit.problem.targets) else _OVER_MOTION
 
 

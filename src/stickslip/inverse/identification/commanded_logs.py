@@ -1,0 +1,255 @@
+"""Logs of a command and of the angle that followed: which numbers of a servo made that motion? It is simulated, many cases at once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from stickslip.basics.contracts import Array, Model
+from stickslip.basics.errors import InputError, SolveError
+from stickslip.basics.fields import leaves
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.inverse.identification.parameters import OverParameters, Parameters
+from stickslip.inverse.identification.targets import Compared
+from stickslip.inverse.identification.weighting import weights_at
+from stickslip.models.machine_adapter import machine_of
+from stickslip.records.overview import noise
+from stickslip.solvers.followed import followed
+
+if TYPE_CHECKING:
+    from stickslip.records.record import Record
+
+_FEWEST = 40  # samples of a log
+_STEP = 1e-5  # of the distance between the bounds: differences for derivatives
+_KEPT = 256  # motions of each log that are remembered
+_FIRST = 8  # samples at the beginning that say how fast the motion begins
+_MOVES = 5.0  # standard errors of that velocity above which the motion does not begin at rest
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class CommandLog(Compared):
+    """The angle of a servo over time, with the command that it was given.
+
+    Each value of the command holds until the next one.
+
+    Parameters
+    ----------
+    t : array (n,)
+        Instants of the angles [s].
+    y : array (n,)
+        The angles as the encoder shows them [rad].
+    sigma : float
+        Standard deviation of the noise of one of them.
+    weight : array (n,)
+    role : str
+        What commands the servo: a role of `stickslip.models.machine_adapter.MachineAdapter.commands`.
+    instants : array (m,)
+        Of angles and command together [s].
+    command : array (m - 1,)
+        From each of these instants to the next.
+    at : array (n,)
+        Which of these instants those of the angles are.
+    rate : float
+        Velocity at the first sample [rad/s].
+    """
+
+    kind: ClassVar[str] = "angle"
+
+    t: Any
+    y: Any
+    sigma: float
+    weight: Any
+    role: str
+    instants: Any
+    command: Any
+    at: Any
+    rate: float
+    label: str
+    given_sigma: bool = False
+    cut: str | None = None
+
+    @property
+    def step(self) -> float:
+        """Usual time between samples [s]."""
+        return float(np.median(np.diff(self.t)))
+
+    @property
+    def time(self) -> Any:
+        """Times of the values, counted from the middle of the record [s]."""
+        return self.t - 0.5 * (self.t[0] + self.t[-1])
+
+    @cached_property
+    def moved(self) -> tuple[Any, Any, Any]:
+        """Times, angles and velocities, of which the signs say enough."""
+        width = max(min(9, len(self.t) // 8), 1)
+        smooth = np.convolve(np.pad(self.y, width, mode="edge"), np.ones(2 * width + 1) / (2 * width + 1), "valid")
+        return self.t, self.y, np.gradient(smooth, self.t)
+
+    def delayed(self, h: Array, delay: float) -> Any:
+        """Values a little later; before the first one the angle is that."""
+        from scipy.interpolate import PchipInterpolator
+
+        return PchipInterpolator(self.t, h)(np.clip(self.t - delay, self.t[0], self.t[-1]))
+
+
+def takes_commands(model: Model, records: list[Any]) -> bool:
+    """Whether all records have the angle of a machine, and what a controller, or a motor, of it was commanded."""
+    return all(hasattr(rec, "channels") and "position" in rec and _role(model, rec) is not None for rec in records)
+
+
+def _role(model: Model, rec: Record) -> str | None:
+    """Which channel of a record commands a machine; None if none does."""
+    return next((role for role in machine_of(model).commands if role in rec), None)
+
+
+def command_log(model: Model, rec: Record, sigma: float | None, label: str) -> CommandLog:
+    """The log of a machine; `InputError` where something is missing."""
+    role = _role(model, rec)
+    if role is None or "position" not in rec:
+        roles = " or ".join(machine_of(model).commands) or "command, since this machine has neither controller nor motor"
+        typed = 'roles={"goal": "command", "pos": "position"}'
+        raise InputError("identify", [f"{label}: allowed is a record with position and {roles}; type {typed} when reading"])
+    angle, own, notes = rec["position"], rec[role], list[str]()
+    t, y, weight = angle.time, angle.si, weights_at(rec, angle.time)
+    known = np.isfinite(t) & np.isfinite(y) & np.concatenate([[True], np.diff(t) > 0])
+    if not known.all():
+        notes.append(f"{int((~known).sum())} of {len(t)} angles are missing and left out")
+    t, y, weight = t[known], y[known], weight[known]
+    given = np.isfinite(own.si) & np.isfinite(own.time)
+    when, what = own.time[given], own.si[given]
+    if len(t) < _FEWEST or not len(when):
+        raise InputError("identify", [f"{label} has {len(t)} angles and {len(when)} commands; allowed are {_FEWEST} angles or more"])
+    inside = (when > t[0]) & (when < t[-1])
+    instants = np.union1d(t, when[inside])
+    command = what[np.maximum(np.searchsorted(when, instants[:-1], side="right") - 1, 0)]
+    level, rate = _noise(y) if sigma is None else float(sigma), _rate(t, y)
+    if rate:
+        notes.append(f"the motion begins with {rate:.3g} rad/s")
+    at = np.searchsorted(instants, t)
+    return CommandLog(
+        t, y, level, weight, role, instants, command, at, rate, label, given_sigma=sigma is not None, cut="; ".join(notes) or None
+    )
+
+
+def _noise(y: Array) -> float:
+    """The noise of one angle, that of its counts at least [rad]."""
+    steps = abs(np.diff(y))
+    count = float(np.min(steps[steps > 1e-9 * np.ptp(y)], initial=np.ptp(y)))
+    scatter = noise(y)
+    return max(scatter if np.isfinite(scatter) else 0.0, count / np.sqrt(12), 1e-9 * float(np.ptp(y))) or 1.0
+
+
+def _rate(t: Array, y: Array) -> float:
+    """The velocity at the first sample, where the first ones clearly move; else zero."""
+    s, first = t[:_FIRST] - t[0], y[:_FIRST]
+    columns = np.stack([np.ones(len(s)), s, s**2], axis=1)
+    numbers, *_ = np.linalg.lstsq(columns, first, rcond=None)
+    error = _noise(y) * np.sqrt(np.linalg.inv(columns.T @ columns)[1, 1])
+    return float(numbers[1]) if abs(numbers[1]) > _MOVES * error else 0.0
+
+
+@dataclass(eq=False)
+class CommandedProblem(OverParameters):
+    """Fit of the angles that follow a command. All derivatives, and all places of a multistart, are one batch.
+
+    Parameters
+    ----------
+    parameters : Parameters
+    targets : tuple of CommandLog
+    rtol : float
+        Relative tolerance of dynamic laws.
+    remembers : bool
+        Whether the law has inner states, which begin undeflected.
+    """
+
+    resolution: ClassVar[float] = 1e-4  # singular values of the derivatives, which are of first order, below this are zero
+
+    parameters: Parameters
+    targets: tuple[CommandLog, ...]
+    rtol: float = 1e-8
+    solves: int = 0
+    values: Any = None
+    _motions: dict[tuple[Any, ...], Any] = field(default_factory=dict)
+
+    @property
+    def y(self) -> Any:
+        """All measured values."""
+        return super().y if self.values is None else self.values
+
+    def _like(self, **changes: Any) -> CommandedProblem:
+        return replace(self, **{"_motions": {}, **changes})
+
+    def with_values(self, y: Any) -> CommandedProblem:
+        """The same fit for other measured values, of the same motions."""
+        return replace(self, values=y)
+
+    def rough(self) -> CommandedProblem:
+        """The same fit."""
+        return self
+
+    def guesses(self) -> list[Any]:
+        """The place of the numbers that the machine has, where it has them all between the bounds."""
+        if callable(self.parameters.make):
+            return []
+        own = dict(leaves(self.parameters.make))
+        values = {f.name: own.get(f.argument) for f in self.parameters.free}
+        inside = [value is not None and f.low <= value <= f.high for f, value in zip(self.parameters.free, values.values(), strict=True)]
+        return [self.parameters.point({name: float(value) for name, value in values.items() if value is not None})] if all(inside) else []
+
+    def ends(self, places: Array, readings: Sequence[Mapping[str, Any]]) -> tuple[Any, Any]:
+        """Angles of all records for many places (cases, parameters) and readings of the sensors: array (values, cases), twice the same."""
+        places = np.asarray(places, float)
+        parts = [self._angles(i, places, reading) for i, reading in enumerate(readings)]
+        whole = np.concatenate(parts, axis=0)
+        return whole, whole
+
+    def _angles(self, i: int, places: Any, reading: Mapping[str, Any]) -> Any:
+        """Angles of one record: array (values, cases)."""
+        own = np.column_stack([np.broadcast_to(reading.get(what, 0.0), len(places)) for what in ("zero", "begin")])
+        keys = [(i, *map(float, place), *map(float, each)) for place, each in zip(places, own, strict=True)]
+        new = list({key: k for k, key in enumerate(keys) if key not in self._motions}.values())
+        if len(self._motions) > _KEPT * len(self.targets):
+            kept = {key: self._motions[key] for key in keys if key in self._motions}
+            self._motions.clear()
+            self._motions.update(kept)
+        if new:
+            for k, motion in zip(new, self._followed(i, places[new], own[new]), strict=True):
+                self._motions[keys[k]] = motion
+        return np.stack([self._motions[key] for key in keys], axis=1)
+
+    def _followed(self, i: int, places: Any, own: Any) -> Any:
+        """The motions of some cases: array (cases, values); NaN where there is none."""
+        target, whole = self.targets[i], np.full((len(places), self.targets[i].count), np.nan)
+        good, batches = self.parameters.batches(places)
+        if not good.any():
+            return whole
+        zero, begin = own[good].T
+        machines, name, start = machine_of(batches[i]).commands[target.role]
+        machines = machines.replace({start: target.y[0] + begin - zero})
+        command = target.command - (zero[:, None] if target.role == "command" else 0.0)
+        self.solves += int(good.sum())
+        body = machine_of(machines).mechanics.bodies[0]
+        try:
+            moving = {"v": {body: target.rate}} if target.rate else None
+            angles, _ = followed(machines, target.instants, {name: command}, rtol=self.rtol, start=moving)
+        except (InputError, SolveError):
+            return whole
+        whole[good] = angles[:, target.at] + zero[:, None]
+        return whole
+
+    def slopes(self, point: Array, readings: Sequence[Mapping[str, Any]]) -> tuple[Any, Any]:
+        """Derivatives by differences, all parameters in one batch."""
+        point = np.asarray(point, float)
+        if not len(point):
+            return (np.empty((len(self.y), 0)),) * 2
+        allowed = self.parameters.limits.allows
+        sign = np.array([1.0 if max(ahead) <= 1.0 and allowed(ahead) else -1.0 for ahead in point + np.diag(np.full(len(point), _STEP))])
+        places = np.concatenate([point[None, :], point + np.diag(sign * _STEP)])
+        angles, _ = self.ends(places, readings)
+        slopes = np.nan_to_num((angles[:, 1:] - angles[:, :1]) / (sign * _STEP))
+        return slopes, slopes

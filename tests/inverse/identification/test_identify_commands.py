@@ -1,0 +1,63 @@
+"""Servos from command and angle alone: logs of a bench in plain Python, whose numbers are known."""
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from bam_bench import chirp, pendulum, shown, sines, swung
+from stickslip.solvers.followed import followed
+
+STEP, KP, SUPPLY = 0.01, 38.0, 14.4
+M1 = {"kt": 2.19, "R": 2.96, "armature": 0.0266, "friction_base": 0.1035, "friction_viscous": 0.0352}
+M6 = {
+    "kt": 2.21, "R": 2.03, "armature": 0.026, "friction_base": 0.01, "friction_stribeck": 0.12, "friction_viscous": 0.05,
+    "load_friction_motor": 0.2, "load_friction_external": 0.02, "load_friction_motor_stribeck": 0.2,
+    "load_friction_external_stribeck": 0.09, "load_friction_motor_quad": 0.01, "load_friction_external_quad": 0.05,
+    "dtheta_stribeck": 1.75, "alpha": 1.14,
+}  # fmt: skip
+
+
+def servo(p=M1, mass=1.0):
+    """The joint of a parameter set on the bench, commanded by an angle."""
+    inertia, gravity = pendulum(mass, 0.15, 0.1)
+    motor = ss.machines.Motor(k_t=p["kt"], resistance=p["R"], supply=SUPPLY)
+    control = ss.machines.PID(kp=KP, ki=0.0, kd=0.0, target=0.0)
+    return ss.Joint(
+        inertia=inertia, gravity_torque=gravity, motor_inertia=p["armature"], motor=motor, control=control,
+        friction=ss.Coulomb(1.0, 1.0), load=ss.machines.ServoLoad.from_bam(p),
+    )  # fmt: skip
+
+
+def angles(p, mass, command, duration, parts=8):
+    t = np.arange(0, duration, STEP)
+    return t, command(t), swung(p, *pendulum(mass, 0.15, 0.1), KP, SUPPLY, command(t), STEP, parts)
+
+
+def log(p, mass, command, duration, seed):
+    t, goal, q = angles(p, mass, command, duration)
+    return ss.Record.of(t, {"command [rad]": goal, "angle [rad]": shown(q, seed)})
+
+
+@pytest.mark.parametrize(("p", "command"), [(M1, chirp), (M6, sines)], ids=["M1, chirp", "M6, sines"])
+def test_a_command_that_holds_between_its_samples(p, command):
+    """Against steps of Runge and Kutta that stop where the velocity does, 4 and 16 in each sample: they come nearer as their square."""
+    (t, goal, few), (_, _, many) = (angles(p, 1.0, command, 3.0, parts) for parts in (4, 16))
+    x, v = followed(servo(p), np.append(t, 3.0), {"control.target": goal})
+    near = abs(many - x[0, :-1]).max()
+    assert near < 2e-5 and near < 0.15 * abs(few - x[0, :-1]).max() and abs(v).max() > 1.0
+    assert x.shape == (1, len(t) + 1)
+
+
+def test_friction_inertia_and_motor_of_a_servo_from_one_log():
+    """Coulomb friction, armature, k_t and R from 4 s of command and counts: within 3.5 standard errors, and these are small."""
+    rec = log(M1, 1.0, chirp, 4.0, seed=3)
+    free = {"motor_inertia": (1e-3, 0.1), "load.base": (0.0, 0.3), "motor.k_t": (1.0, 3.0), "motor.resistance": (1.0, 6.0)}
+    guess = servo().replace({"motor_inertia": 0.02, "motor.k_t": 2.0, "motor.resistance": 3.5, "load.base": 0.05})
+    fit = ss.identify(rec, guess, free=free, starts=2)
+    true = dict(zip(free, (M1["armature"], M1["friction_base"], M1["kt"], M1["R"]), strict=True))
+    assert not fit.undetermined
+    for name, value in true.items():
+        assert abs(fit.values[name] - value) < 3.5 * fit.errors[name] < 0.2 * value, name
+    rest = fit.predicted[0] - rec["angle"].si
+    assert np.std(rest) == pytest.approx(2 * np.pi / 4096 * np.hypot(0.3, 1 / np.sqrt(12)), rel=0.15)
+    assert "angle: rms" in fit.report() and set(fit.sensor) == {"delay", "zero", "begin"}
