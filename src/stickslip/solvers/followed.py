@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError
-from stickslip.basics.pool import shared
+from stickslip.basics.pool import handed_out
 from stickslip.engine import driver, lanes
 from stickslip.engine.held_lane import ROOM, Side
 from stickslip.engine.shared_arrays import address_of
@@ -84,7 +84,7 @@ def followed(
 
     driver.load("follow")  # before there are threads
     ends = np.empty((len(table.rows), len(instants) - 1, 1 + kernel.states))
-    for case, each in shared(work, range(len(ends)), min(len(ends), os.cpu_count() or 1)):
+    for case, each in handed_out(work, range(len(ends)), min(len(ends), os.cpu_count() or 1)):
         ends[case] = each
     return _of_body(machines, kernel, table, ends, body)
 

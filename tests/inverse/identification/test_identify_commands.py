@@ -53,7 +53,7 @@ def test_friction_inertia_and_motor_of_a_servo_from_one_log():
     rec = log(M1, 1.0, chirp, 4.0, seed=3)
     free = {"motor_inertia": (1e-3, 0.1), "load.base": (0.0, 0.3), "motor.k_t": (1.0, 3.0), "motor.resistance": (1.0, 6.0)}
     guess = servo().replace({"motor_inertia": 0.02, "motor.k_t": 2.0, "motor.resistance": 3.5, "load.base": 0.05})
-    fit = ss.identify(rec, guess, free=free, starts=2)
+    fit = ss.identify(rec, guess, free=free, starts=1)
     true = dict(zip(free, (M1["armature"], M1["friction_base"], M1["kt"], M1["R"]), strict=True))
     assert not fit.undetermined
     for name, value in true.items():

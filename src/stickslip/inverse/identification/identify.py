@@ -135,7 +135,8 @@ def identify(
     body : str, optional
         Whose motion the records are, of a machine of several bodies (a `Chain`) that names no principal one.
     starts : int
-        Number of starting points of the search.
+        Number of starting points of the search. For logs of a command and an angle it begins at the numbers of the machine too, and with
+        ``starts=1`` there alone.
     seed : int
         Seed of the multistart.
     rtol : float
@@ -165,19 +166,15 @@ def identify(
     problem = problem_of(records, make, free, tied, arguments, how)
     notes = _notes(records, problem)
     rough = problem.rough()
-    best, agree = searched(rough, starts, seed, reporting(progress, "identify"), partial(_seeds, rough, starts, seed))
+    guesses = [np.array([*point, *(n.value for n in rough.numbers)]) for point in rough.model.guesses()]
+    seeds = partial(nested_seeds, rough, starts, seed) if not guesses else lambda: guesses
+    best, agree = searched(rough, 0 if guesses and starts == 1 else starts, seed, reporting(progress, "identify"), seeds)
     problem, best = finished(problem, best)
     spared = [] if best.stopped else spared_numbers(problem, best)
     problem, best = held_back(weigh, problem, best if best.stopped else canonical(problem, best, spared))
     notes += outlier_notes(problem) + spared_note(spared)
     solved = problem.solves + rough.solves
     return _fit(problem, best, starts, agree, notes, seed, tuple(records), solved, weigh)
-
-
-def _seeds(rough: MeasuredProblem, starts: int, seed: int) -> list[Any]:
-    """Whole points from which steps are taken in any case: the guess of the user, and the best of simpler laws."""
-    guesses = [np.array([*point, *(n.value for n in rough.numbers)]) for point in rough.model.guesses()]
-    return guesses or nested_seeds(rough, starts, seed)
 
 
 def as_list(records: Any) -> list[Any]:
@@ -200,7 +197,7 @@ def problem_of(
     _refuse_chance(first[0], machines)
     if machines and (how.using == "force" or (how.using == "auto" and takes_records(first[0], records))):
         model: Any = _moved(records, of, how.noise, first)
-    elif machines and how.using in ("auto", "position") and takes_commands(first[0], records):
+    elif machines and how.using in ("auto", "position", "angle") and takes_commands(first[0], records):
         model = _commanded(records, of, how, first)
     elif how.using == "force" or (how.using == "auto" and not machines):
         _check_forces(records)

@@ -63,7 +63,7 @@ def searched(
     ----------
     problem : MeasuredProblem
     starts : int
-        Places of the multistart (a Sobol sequence, and the middle).
+        Places of the multistart (a Sobol sequence, and the middle); 0 leaves the seeds alone.
     seed : int
     progress : callable, optional
         Called with (done, in all).
@@ -88,8 +88,8 @@ def _ends(
     problem: Any, starts: int, seed: int, progress: Reported | None, seeds: Callable[[], list[Any]], judged: list[tuple[float, Any]]
 ) -> list[SearchEnd]:
     """Where steps from the best points end; the points that were judged by their curves are noted."""
-    points = starting_points(problem.parameters, starts, seed)
-    score = problem.coarse(points)
+    points = starting_points(problem.parameters, starts, seed) if starts else np.empty((0, len(problem.parameters.free)))
+    score = problem.coarse(points) if starts else np.empty(0)
     order = [int(i) for i in np.argsort(score) if np.isfinite(score[i])]
     if problem.batched:  # the batch has judged them already
         chosen = [point for _, point in _spread([(float(score[i]), points[i]) for i in order], problem.first)]

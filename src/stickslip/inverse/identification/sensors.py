@@ -57,9 +57,8 @@ EFFECTS = {
     "preload": Effect(("force",), 0.0, None, False, None, "N"),
     "inertia": Effect(("force",), 0.0, None, False, None, "kg", timed=True),
     "start": Effect(("force", *_APPLIED), 0.0, Distribution("uniform", -1.5, 1.5), False, None),  # a slow slide bends by 1
-    "zero": Effect(
-        ("angle",), 0.0, Distribution("normal", 0.0, 0.02), True, None, "rad"
-    ),  # where the encoder's zero is, from the hanging position
+    # where the zero of an encoder is, from the hanging position
+    "zero": Effect(("angle",), 0.0, Distribution("normal", 0.0, 0.1), True, None, "rad"),
     "begin": Effect(("angle",), 0.0, None, True, ""),  # the angle at the first sample, beside the measured one
 }
 _OF_THE_MODEL = ("preload", "start", "zero", "begin")
