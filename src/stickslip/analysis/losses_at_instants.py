@@ -47,8 +47,9 @@ def at_landings(run: Any, mechanics: Any) -> list[tuple[float, float, float, str
     landings = []
     for node, event in run._flights:
         i, t = list(run.contacts).index(event.part), run.pieces.t[[node]]
-        (_, before, _), (_, after, _) = (run._states_at(t, np.array([piece])) for piece in (node - 1, node))
-        slips = [np.array(mechanics.slips(t[0], mechanics.coordinates_of(tuple(v[0]))), float)[i] for v in (before, after)]
+        (x, before, _), (_, after, _) = (run._states_at(t, np.array([piece])) for piece in (node - 1, node))
+        q = mechanics.coordinates_of(tuple(x[0]))
+        slips = [np.array(mechanics.slips(t[0], mechanics.coordinates_of(tuple(v[0])), q), float)[i] for v in (before, after)]
         gained = float(mechanics.kinetic(after)[0] - mechanics.kinetic(before)[0])
         j = mechanics.coordinate_of(mechanics.joints[event.part].body)
         taken = -float(mechanics.masses[j]) * (slips[1] - slips[0]) * 0.5 * (slips[0] + slips[1])

@@ -64,7 +64,8 @@ class WatchedContact:
             column = run._forces_at(t, index, *states)
             slip, load = column["slip"][:, i], column["load"][:, i]
         else:
-            slip, load = self.mechanics.slips(t, self.mechanics.coordinates_of(tuple(v.T)))[i], self._load(t, x, v, z)
+            q, u = (self.mechanics.coordinates_of(tuple(of.T)) for of in (x, v))
+            slip, load = self.mechanics.slips(t, u, q)[i], self._load(t, x, v, z)
         memory = run.pieces.memory[index][:, list(run.pieces.layout.contacts[i].memory)]
         speed, inner = machine_of(run.model).velocity_scale, z[:, i, : self.law.states].T
         return np.asarray(slip_ratio(self.law, speed, self.modes[index], slip, load, inner, tuple(memory.T)))

@@ -185,7 +185,7 @@ def _box_of(parts: Assembly, group: list[int]) -> Box:
     m, graph = parts.m, parts.m.graph
     slide, limits = {i: sliding_both_ways(parts, i) for i in group}, {i: limits_of(parts, i) for i in group}
     accelerations = m.accelerations(parts.known_forces)
-    free = {i: _total([*_changes(m, i, accelerations), graph.derivative(m.slips[i], m.t)]) for i in group}
+    free = {i: _total([*_changes(m, i, accelerations), graph.derivative(m.slips[i], m.t), *_by_place(m, i)]) for i in group}
     if m.equations.joined or any(m.weighted(i) for i in group):
         G = _felt(parts, group)
     else:
@@ -201,6 +201,13 @@ def _box_of(parts: Assembly, group: list[int]) -> Box:
 def _changes(m: Symbolic, i: int, accelerations: tuple[Sym, ...]) -> list[Any]:
     """What accelerations of the coordinates, as far as a contact's slip takes them, do to it."""
     return [g * a for known, g, a in zip(m.directions[i], m.rows[i], accelerations, strict=True) if known]
+
+
+def _by_place(m: Symbolic, i: int) -> list[Sym]:
+    """Rate of a slip whose row varies with the place, while velocities stay as they are."""
+    zero = m.graph.constant(0.0)
+    slopes = [(m.graph.derivative(m.slips[i], place), v) for place, v in zip(m.places, m.v, strict=True) if place is not zero]
+    return [slope * v for slope, v in slopes if slope is not zero]
 
 
 def _felt(parts: Assembly, group: list[int]) -> dict[tuple[int, int], Sym]:

@@ -41,7 +41,7 @@ class _Parts(SeveralBodies):
     def _arms(self, what: str, t: Any) -> tuple[Any, ...]:
         return (0.0,) * len(self.bodies)  # what prescribed distances add is in the bodies' own symbols
 
-    def slips(self, t: Any, u: Numbers) -> tuple[Any, ...]:
+    def slips(self, t: Any, u: Numbers, q: Numbers = ()) -> tuple[Any, ...]:
         moving = dict(zip(self.bodies, self.v, strict=True))
         given = [contact.coefficients for contact in self.joints.values()]
         own = (sum((of[name] * v for name, v in moving.items() if name in of), 0.0) for of in given)
@@ -56,6 +56,7 @@ def lines_of_motion(model: Model) -> list[str]:
     try:
         mechanics: Any = OneBody(traced) if single else machine_of(traced).mechanics
         if mechanics.joined:
+            mechanics.alike(machine_of(model).mechanics)
             return [*_of_coordinates_joined(mechanics), *_of_contacts(mechanics, letters)]
         mechanics = mechanics if single else _Parts(machine_of(traced).declaring)
         parts = [] if single else [*_of_controllers(mechanics), *_of_links(mechanics)]
@@ -206,7 +207,7 @@ def _of_contacts(mechanics: Any, letters: Letters) -> list[str]:
     """Slips, loads and laws; what differs in the numbers of its symbols alone stands once, with the index i."""
     own, t, bodies = indices(mechanics.contacts), symbol("t", 0), indices(mechanics.bodies)
     x, v = _states(bodies)
-    given = list(zip(mechanics.laws, mechanics.slips(t, v), mechanics.loads(t, x, v, _held(mechanics)), own, strict=True))
+    given = list(zip(mechanics.laws, mechanics.slips(t, v, x), mechanics.loads(t, x, v, _held(mechanics)), own, strict=True))
     blocks = []
     for lines_of in (_slip_lines, _load_lines, _law_lines):
         by_text = dict[str, tuple[list[str], list[str]]]()

@@ -43,6 +43,7 @@ class Symbolic:
         self.model: Any = replace_leaf(model, {name: graph.case(name) for name in names})
         self.machine = machine_of(self.model)
         self.single, self.equations = self.machine.one_body is not None, self.machine.mechanics
+        self.equations.alike(machine_of(model).mechanics)
         self.names = names if model.period is not None else (*names, SPAN)
         self.laws, self.directions = self.equations.laws, self.equations.directions
         self.t, n = graph.variable("t"), self.equations.coordinates
@@ -104,7 +105,7 @@ class Symbolic:
         return self.loads[i] if i not in self.by_side else self.by_side[i][0 if side > 0 else 1]
 
     def _slip(self, i: int) -> Sym:
-        return self.lift(self.equations.slips(self.t, self.v)[i])
+        return self.lift(self.equations.slips(self.t, self.v, self.places)[i])
 
     def _places(self) -> tuple[Sym, ...]:
         """Positions of the coordinates; where only their differences matter, from the first one."""

@@ -19,6 +19,7 @@ from stickslip.basics.maths import maximum, pi
 from stickslip.basics.time_rates import Moving
 from stickslip.models.controllers import Controllers
 from stickslip.models.friction.law_adapter import LawAdapter, adapted
+from stickslip.models.kept_heights import given_back, lever_of, normal_force, with_force
 from stickslip.models.linear_equations import product, solved, total
 from stickslip.models.mechanics import SOME, Mechanics, Numbers
 from stickslip.models.placed_contacts import PlacedContact
@@ -151,26 +152,55 @@ class AnyCoordinates(Mechanics):
         """What each contact's slip takes of the rates of the coordinates, and where it presses."""
         return tuple(PlacedContact(self, contact) for contact in self.joints.values())
 
+    def heights(self, t: Numeric, q: Numbers, u: Numbers) -> dict[str, tuple[Any, Any]]:
+        """By contact that keeps the height of its point, which coordinates could change, this height [m] and its rate [m/s]."""
+        moved = self.moved(t, q, u) if self.keeping else {}
+        points = {name: c.point(moved)[1] for name, c in zip(self.contacts, self.touching, strict=True) if c.keeps_height}
+        return {name: (point.value, point.rate) for name, point in points.items()}
+
+    @property
+    def varying(self) -> tuple[bool, ...]:
+        """Of each contact, whether its row varies with the place."""
+        return tuple(contact.nature.varies for contact in self.touching)
+
+    def alike(self, other: Any) -> None:
+        """Take from the same machine with plain numbers what holds of its contacts at any place."""
+        for own, known in zip(self.touching, other.touching, strict=True):
+            own.nature = known.nature
+
     @cached_property
     def directions(self) -> tuple[tuple[float, ...], ...]:
         """The rows of the contacts."""
-        return tuple(tuple(float(g) if isinstance(g, (int, float)) else SOME for g in row) for row in self.rows(0.0, self.start))
+        return tuple(
+            tuple(
+                float(g) if isinstance(g, (int, float)) and not (c.nature.varies and j in c.nature.moves) else SOME
+                for j, g in enumerate(c.row)
+            )
+            for c in self.touching
+        )
 
     def rows(self, t: Numeric, q: Numbers) -> tuple[Parts, ...]:
         """The same with the numbers that places or contacts say."""
-        return tuple(contact.row for contact in self.touching)
+        return tuple(contact.row_at(q) if contact.nature.varies else contact.row for contact in self.touching)
 
     def offsets(self, t: Numeric) -> Parts:
-        """What belts and motions add to the slips [m/s]."""
+        """Slip velocity of each contact while no coordinate moves [m/s]."""
         return tuple(contact.offset(t) for contact in self.touching)
 
     def offset_rates(self, t: Numeric) -> Parts:
         """Rates of the contacts' offsets [m/s^2]."""
         return tuple(contact.offset_rate(t) for contact in self.touching)
 
-    def slips(self, t: Numeric, u: Numbers) -> Parts:
+    def slips(self, t: Numeric, u: Numbers, q: Numbers = ()) -> Parts:
         """Slip velocity of each contact [m/s]."""
-        return tuple(total(map(product, row, u)) + b for row, b in zip(self.rows(t, ()), self.offsets(t), strict=True))
+        return tuple(total(map(product, row, u)) + b for row, b in zip(self.rows(t, q), self.offsets(t), strict=True))
+
+    def slip_biases(self, t: Numeric, q: Numbers, u: Numbers) -> Parts:
+        """Rate of each slip while the coordinates' rates and the offsets stay as they are [m/s^2]."""
+        if not any(self.varying):
+            return (0.0,) * len(self.touching)
+        moved = self.moved(t, q, u)
+        return tuple(contact.bias(q, moved) for contact in self.touching)
 
     def loads(self, t: Numeric, q: Numbers, u: Numbers | None = None, z: Numbers | None = None) -> Parts:
         """Normal force on each contact [N]."""
@@ -252,9 +282,22 @@ class AnyCoordinates(Mechanics):
     def _energies(self) -> Energies:
         return Energies(self.model, self.bodies)
 
-    def pushed(self, t: Numeric, q: Numbers, force: Numbers) -> Parts:
-        """Accelerations that generalized forces make: the solution of M a = force."""
+    @cached_property
+    def keeping(self) -> tuple[PlacedContact, ...]:
+        """The contact that keeps its height, if there is one."""
+        return tuple(contact for contact in self.touching if contact.keeps_height)
+
+    def loosely_pushed(self, t: Numeric, q: Numbers, force: Numbers) -> Parts:
+        """Accelerations that generalized forces make if no contact keeps its height: the solution of M a = force."""
         return solved(self.matrix(t, q), force)
+
+    def pushed(self, t: Numeric, q: Numbers, force: Numbers) -> Parts:
+        """The same with the normal forces that they ask for."""
+        a = self.loosely_pushed(t, q, force)
+        for contact in self.keeping:
+            lever = lever_of(self, contact, q)
+            a = with_force(lever, a, given_back(lever, a))
+        return a
 
     def applied(self, t: Numeric, q: Numbers, u: Numbers, z: Numbers | None = None) -> list[Any]:
         """Generalized forces but friction, with what velocities do."""
@@ -296,12 +339,20 @@ class AnyCoordinates(Mechanics):
         links = pulled.get(name, (0.0,) * 3)
         return tuple(map(total, zip((*own, *(0.0 for _ in range(len(components) - len(own)))), weight, links, strict=False)))
 
-    def accelerations(self, t: Numeric, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> Parts:
-        """Second derivatives of the coordinates under the friction forces."""
+    def loose_accelerations(self, t: Numeric, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> Parts:
+        """Second derivatives of the coordinates under the friction forces, if no contact keeps its height."""
         h = self.applied(t, q, u, z)
         for row, force in zip(self.rows(t, q), R, strict=True):
             h = [total([of, product(-1.0, product(g, force))]) for of, g in zip(h, row, strict=True)]
-        return self.pushed(t, q, h)
+        return self.loosely_pushed(t, q, h)
+
+    def accelerations(self, t: Numeric, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> Parts:
+        """The same with the normal forces."""
+        a = self.loose_accelerations(t, q, u, R, z)
+        for contact in self.keeping:
+            lever = lever_of(self, contact, q)
+            a = with_force(lever, a, normal_force(self, contact, lever, t, q, u, a))
+        return a
 
     # ---- energy ----
     def kinetic(self, v: Array, x: Array | None = None) -> Array:

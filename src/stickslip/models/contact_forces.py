@@ -41,7 +41,7 @@ def contact_columns(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: Ar
     """
     q, u = (mechanics.coordinates_of(tuple(of.T)) for of in (x, v))
     held = held_by_controllers(mechanics, np.stack(z, axis=-1) if len(z) else None)
-    slips, loads = _columns(mechanics.slips(t, u), t), _columns(mechanics.loads(t, q, u, held), t)
+    slips, loads = _columns(mechanics.slips(t, u, q), t), _columns(mechanics.loads(t, q, u, held), t)
     R = np.zeros_like(slips)
     first, scale = 0, getattr(mechanics, "velocity_scale", None) or 0.0
     free = _columns(mechanics.accelerations(t, q, u, (0.0,) * len(mechanics.contacts), held), t)
@@ -142,10 +142,11 @@ def _hold(mechanics: Mechanics, resting: Array, t: Array, q: Any, u: Any, loads:
 
 def _hold_joined(mechanics: Mechanics, resting: Array, t: Array, q: Any, u: Any, R: Array, held: Any) -> None:
     """The same where a contact's friction accelerates all coordinates, by the inverse of the matrix of inertia at each instant."""
-    g = np.array(mechanics.rows(0.0, mechanics.start), float)
+    rows = mechanics.rows(0.0, q)
+    g = np.stack([_columns(row, t) for row in rows], axis=1)  # (time, contact, coordinate)
     free = _columns(mechanics.accelerations(t, q, u, tuple(R.T), held), t)
-    push = free @ g.T + _columns(mechanics.offset_rates(t), t)
-    felt = np.stack([_columns(mechanics.pushed(t, q, row), t) @ g.T for row in g], axis=-1)  # of each slip rate, by each contact's force
+    push = np.einsum("tik,tk->ti", g, free) + _columns(mechanics.offset_rates(t), t) + _columns(mechanics.slip_biases(t, q, u), t)
+    felt = np.stack([np.einsum("tik,tk->ti", g, _columns(mechanics.pushed(t, q, row), t)) for row in rows], axis=-1)  # of each slip rate
     for pattern in np.unique(resting, axis=0):
         (rest,) = np.nonzero(pattern)
         at = np.flatnonzero(np.all(resting == pattern, axis=1))

@@ -68,7 +68,7 @@ def calls(m: Mechanics, at: Arguments) -> Calls:
         "masses": lambda: m.masses,
         "load" if single else "loads": lambda: m.loads(at.t, at.q, at.u, at.controlled),
         "acceleration" if single else "accelerations": lambda: m.accelerations(at.t, at.q, at.u, at.forces, at.controlled),
-        "contact velocity" if single else "slips": lambda: m.slips(at.t, at.u),
+        "contact velocity" if single else "slips": lambda: m.slips(at.t, at.u, at.q),
     }
     for i, law in enumerate(m.laws):
         functions |= _of_law(law, "" if single else f" of {m.contacts[i]!r}", at.slips[i], at.loads[i], at.inner[i], at.memories[i])

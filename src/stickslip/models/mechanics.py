@@ -180,6 +180,23 @@ class Mechanics(Protocol):
         """Rates of the contacts' offsets [m/s^2]."""
         return (0.0,) * len(self.contacts)
 
+    def slip_biases(self, t: Numeric, q: Numbers, u: Numbers) -> tuple[Any, ...]:
+        """Rate of each slip while the coordinates' velocities and the offsets stay as they are [m/s^2]: of rows that vary."""
+        return (0.0,) * len(self.contacts)
+
+    def heights(self, t: Numeric, q: Numbers, u: Numbers) -> dict[str, tuple[Any, Any]]:
+        """By contact that keeps the height of its point, which coordinates could change, this height [m] and its rate [m/s]."""
+        return {}
+
+    @property
+    def varying(self) -> tuple[bool, ...]:
+        """Of each contact, whether its row varies with the place."""
+        return (False,) * len(self.contacts)
+
+    def alike(self, other: Any) -> None:
+        """Take from the same machine with plain numbers what symbols do not tell."""
+        return
+
     def kinetic(self, v: Array, x: Array | None = None) -> Array:
         """Kinetic energy of all bodies from their velocities (..., bodies), and where that matters their positions [J]."""
 
@@ -208,8 +225,8 @@ class Mechanics(Protocol):
         """Whether the slip of a contact is a difference of varying velocities, so that a small slip suffers from cancellation."""
         return False
 
-    def slips(self, t: Numeric, u: Numbers) -> tuple[Any, ...]:
-        """Slip velocity of each contact [m/s]."""
+    def slips(self, t: Numeric, u: Numbers, q: Numbers = ()) -> tuple[Any, ...]:
+        """Slip velocity of each contact [m/s]; coordinates q matter where `rows` vary with the place."""
         return tuple(_dot(g, u) + b for g, b in zip(self.directions, self.offsets(t), strict=True))
 
 
@@ -257,7 +274,7 @@ class OneBody(Mechanics):
         """Velocity at the contact of a body at rest."""
         return (self.model.contact_velocity(0.0),)
 
-    def slips(self, t: Numeric, u: Numbers) -> tuple[Any, ...]:
+    def slips(self, t: Numeric, u: Numbers, q: Numbers = ()) -> tuple[Any, ...]:
         """Velocity at the contact."""
         return (self.model.contact_velocity(u[0]),)
 

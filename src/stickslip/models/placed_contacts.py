@@ -1,24 +1,45 @@
-"""A contact of a machine in coordinates of its own: what its slip takes of their rates, and along what normal its body is pressed."""
+"""A contact of a machine in coordinates of its own: what its slip takes of their rates, and along what normal its body is pressed.
+
+Both may vary with the place. A point of a body on the ground slips along x. Where coordinates let it leave the ground, the contact itself
+keeps its height, and the load is the force that this takes (`stickslip.models.kept_heights`).
+"""
 
 from __future__ import annotations
 
+import random
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 from stickslip.basics.contracts import Numeric
+from stickslip.basics.fields import everywhere
 from stickslip.basics.maths import cos, sin, sqrt
 from stickslip.models.linear_equations import is_nothing, product, total
 from stickslip.models.several_bodies import prescribed_acceleration, prescribed_velocity
 
 Pair = tuple[Any, Any]
+_SAME = 1e-9  # of its size: how much a row may differ from place to place and be one
+_LOOKS = 3  # places at which that is looked at
+
+
+class Nature(NamedTuple):
+    """What holds of a contact at any place.
+
+    moves : numbers of the coordinates that move its point against what it rubs on
+    varies : whether its row varies with the place
+    along : whether they move it along x, and along z
+    """
+
+    moves: tuple[int, ...]
+    varies: bool
+    along: tuple[bool, bool]
 
 
 class PlacedContact:
-    """One contact, by its declaration. Its row is that of the place where the machine begins by default.
+    """One contact, by its declaration.
 
-    A contact of coordinates has their coefficients. One of a body that is held on both sides slips along the way that its one coordinate
-    leaves it, against what it rubs on; any other slips along x.
+    A contact of coordinates has their coefficients. One of a body that is held on both sides, and that one coordinate moves, slips along
+    the way that this leaves it, against what it rubs on; any other slips along x.
     """
 
     def __init__(self, mechanics: Any, contact: Any):
@@ -36,16 +57,45 @@ class PlacedContact:
 
     @property
     def is_held(self) -> bool:
-        """Whether it is held on both sides, and its load follows from the motion."""
-        return self.contact.hold == "both" and self.contact.load is None
+        """Whether its load follows from the motion."""
+        return self.contact.hold is not None and self.contact.load is None
+
+    @property
+    def pushes(self) -> bool:
+        """Whether its load follows from the motion, and what it rubs on can push and not pull."""
+        return self.is_held and self.contact.hold == "push"
+
+    @property
+    def follows(self) -> bool:
+        """Whether it slips along the way of one coordinate, and not along x."""
+        return self.contact.hold == "both" and len(self.nature.moves) == 1
+
+    @property
+    def keeps_height(self) -> bool:
+        """Whether its normal force is what keeps its point at its height, which coordinates could change."""
+        return self.is_held and self.nature.along[1] and not self.follows
 
     @cached_property
-    def ways(self) -> tuple[Pair, ...]:
-        """For each coordinate how it moves the point against what it rubs on, in x and z."""
-        return self.ways_at(self.mechanics.start)
+    def nature(self) -> Nature:
+        """What holds at any place, looked at with the numbers of the machine at some places."""
+        if not self.of_body:
+            return Nature(tuple(j for j, g in enumerate(self.row) if not is_nothing(g)), False, (True, False))
+        draw, n = random.Random(20261129), len(self.mechanics.bodies)
+        ways = [self.ways_at(tuple(draw.uniform(-0.9, 0.9) for _ in range(n))) for _ in range(_LOOKS)]
+        size = max(float(abs(part).max() if hasattr(part, "max") else abs(part)) for at in ways for way in at for part in way)
+
+        def is_there(part: Any) -> bool:
+            return not everywhere(abs(part) <= _SAME * size)
+
+        moves = tuple(j for j in range(n) if any(is_there(part) for at in ways for part in at[j]))
+        follows = self.contact.hold == "both" and len(moves) == 1
+        along = tuple(any(is_there(at[j][k]) for at in ways for j in moves) for k in range(2))
+        rows = [tuple(length_of(at[j], along) if follows else at[j][0] for j in moves) for at in ways]
+        varies = any(is_there(a - b) for row in rows[1:] for a, b in zip(row, rows[0], strict=True))
+        return Nature(moves, varies, (along[0], along[1]))
 
     def ways_at(self, q: Any) -> tuple[Pair, ...]:
-        """The same at given coordinates."""
+        """For each coordinate how it moves the point against what it rubs on, in x and z."""
         slopes, places = self.mechanics.slopes(0.0, q), self.mechanics.along(0.0, q)
         return tuple(self._way(slope, places) for slope in slopes)
 
@@ -61,26 +111,59 @@ class PlacedContact:
             x, z = (_difference(*pair) for pair in ((x, other_x), (z, other_z)))
         return x, z
 
+    def point(self, places: Any) -> tuple[Any, Any]:
+        """The point itself from places that move, against what it rubs on: x and z with two rates."""
+        own, (a, b) = places[self.contact.body], self.contact.at or (0.0, 0.0)
+        x, z = (*own, 0.0)[:2]
+        if is_nothing(a) and is_nothing(b):
+            ahead, up = a, b
+        elif len(own) == 3:
+            ahead, up = a * cos(own[2]) - b * sin(own[2]), a * sin(own[2]) + b * cos(own[2])
+        else:
+            ahead, up = a, b
+        other_x, other_z = (*places[self.contact.on], 0.0)[:2] if self.rubs_on_body else (0.0, 0.0)
+        return x + ahead - other_x, z + up - other_z
+
     @cached_property
     def row(self) -> tuple[Any, ...]:
-        """What its slip takes of the coordinates' rates."""
+        """What its slip takes of the coordinates' rates; where that varies, at the place where the machine begins by default."""
         if not self.of_body:
             given = self.contact.body if isinstance(self.contact.body, Mapping) else {self.contact.body: 1.0}
             return tuple(given.get(name, 0.0) for name in self.mechanics.bodies)
         return self.row_at(self.mechanics.start)
 
     def row_at(self, q: Any) -> tuple[Any, ...]:
-        """The same at given coordinates, of a point of a body."""
-        ways = self.ways_at(q)
-        return tuple(length_of(way) for way in ways) if self.contact.hold == "both" else tuple(x for x, _ in ways)
+        """The same at given coordinates."""
+        if not self.of_body:
+            return self.row
+        return tuple(
+            0.0 if j not in self.nature.moves else length_of(way, self.nature.along) if self.follows else way[0]
+            for j, way in enumerate(self.ways_at(q))
+        )
+
+    def bias(self, q: Any, places: Any) -> Any:
+        """Rate of its slip while the coordinates' rates stay as they are, at given coordinates and places that move."""
+        if not self.nature.varies:
+            return 0.0
+        x, z = self.point(places)
+        if not self.follows:
+            return x.second
+        ahead, up = self.ways_at(q)[self.nature.moves[0]]
+        return total([product(ahead, x.second), product(up, z.second)]) / length_of((ahead, up), self.nature.along)
+
+    def heights_at(self, q: Any) -> tuple[Any, ...]:
+        """For each coordinate how it moves the point upwards."""
+        return tuple(way[1] if j in self.nature.moves else 0.0 for j, way in enumerate(self.ways_at(q)))
 
     def normal_at(self, q: Any) -> Pair:
-        """The direction in which a body that is held on both sides is pressed, a quarter turn from that in which it slips."""
-        x, z = next(way for way in self.ways_at(q) if not (is_nothing(way[0]) and is_nothing(way[1])))
-        length = length_of((x, z))
-        if is_nothing(z):
+        """The direction in which its body is pressed: upwards, or a quarter turn from the way along which it slips."""
+        if not self.follows:
             return 0.0, 1.0
-        return product(-1.0, z) / length, (0.0 if is_nothing(x) else x / length)
+        x, z = way = self.ways_at(q)[self.nature.moves[0]]
+        if not self.nature.along[1]:
+            return 0.0, 1.0
+        length = length_of(way, self.nature.along)
+        return product(-1.0, z) / length, (x / length if self.nature.along[0] else 0.0)
 
     def offset(self, t: Numeric) -> Any:
         """What the speed of a belt or a motion adds to the slip [m/s]."""
@@ -96,13 +179,13 @@ def _difference(a: Any, b: Any) -> Any:
     return a if is_nothing(b) else product(-1.0, b) if is_nothing(a) else 0.0 if a is b else a - b
 
 
-def length_of(way: Pair) -> Any:
-    """How far a point goes with a coordinate, forwards or backwards in x; upwards or downwards where it is not along x.
+def length_of(way: Pair, along: Any) -> Any:
+    """How far a point goes with a coordinate, forwards or backwards where it goes along x alone, or along z.
 
     Examples
     --------
-    >>> length_of((-1.0, 0.0)), length_of((3.0, -4.0)), length_of((0.0, -2.0))
+    >>> length_of((-1.0, 0.0), (True, False)), length_of((3.0, -4.0), (True, True)), length_of((0.0, -2.0), (False, True))
     (-1.0, 5.0, -2.0)
     """
     x, z = way
-    return x if is_nothing(z) else z if is_nothing(x) else sqrt(x * x + z * z)
+    return x if not along[1] else z if not along[0] else sqrt(x * x + z * z)

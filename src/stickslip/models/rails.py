@@ -17,6 +17,7 @@ import numpy as np
 from stickslip.basics.contracts import Numeric
 from stickslip.basics.maths import where
 from stickslip.models.friction.law_adapter import TINY
+from stickslip.models.kept_heights import given_back, lever_of, normal_force
 from stickslip.models.linear_equations import product, total
 from stickslip.models.mechanics import Numbers
 from stickslip.models.placed_links import shares
@@ -41,7 +42,10 @@ def loose(mechanics: Any) -> list[str]:
 
 
 def reaction(mechanics: Any, i: int, t: Numeric, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> Any:
-    """The force of a rail along its normal, under given friction forces [N]."""
+    """The force of a rail along its normal, or of a contact that keeps its height, under given friction forces [N]."""
+    if mechanics.touching[i].keeps_height:
+        contact, free = mechanics.touching[i], mechanics.loose_accelerations(t, q, u, R, z)
+        return normal_force(mechanics, contact, lever_of(mechanics, contact, q), t, q, u, free)
     normal, slopes, moved = mechanics.touching[i].normal_at(q), mechanics.slopes(t, q), mechanics.moved(t, q, u)
     a, terms, pulled = mechanics.accelerations(t, q, u, R, z), [], shares(mechanics.placed_links, t, moved)
     for name in borne(mechanics, i):
@@ -55,6 +59,9 @@ def reaction(mechanics: Any, i: int, t: Numeric, q: Numbers, u: Numbers, R: Numb
 
 def yielding(mechanics: Any, i: int, t: Numeric, q: Numbers) -> Any:
     """How much of the force of a rail its friction of one newton takes."""
+    if mechanics.touching[i].keeps_height:
+        taken = mechanics.loosely_pushed(t, q, mechanics.rows(t, q)[i])
+        return given_back(lever_of(mechanics, mechanics.touching[i], q), taken)
     normal, slopes = mechanics.touching[i].normal_at(q), mechanics.slopes(t, q)
     a, terms = mechanics.pushed(t, q, mechanics.rows(t, q)[i]), []
     for name in borne(mechanics, i):
@@ -68,18 +75,19 @@ def decides(mechanics: Any, i: int, t: Numeric, q: Numbers, per_load: Any) -> An
     """Positive as long as one load, and no other, follows from the motion, under a friction force of `per_load` for each newton of it.
 
     A rail may press on either side, N = s lambda0 / (1 + s b C) with s = 1 or -1: where |b C| >= 1 both sides give a load, or none does.
+    What pushes and cannot pull has one side alone.
     """
     back = per_load * yielding(mechanics, i, t, q)
-    return 1.0 - back * back
+    return 1.0 + back if mechanics.touching[i].pushes else 1.0 - back * back
 
 
 def pressed_while_sliding(mechanics: Any, i: int, t: Numeric, q: Numbers, u: Numbers, z: Numbers | None) -> Any:
     """The normal force on a rail while its body slips, or is about to, to the side of its slip [N]."""
-    slip = mechanics.slips(t, u)[i]
+    slip = mechanics.slips(t, u, q)[i]
     if isinstance(slip, float):
         slip = float(slip) or TINY
     elif isinstance(slip, np.ndarray):
         slip = np.where(slip == 0.0, TINY, slip)
     free = reaction(mechanics, i, t, q, u, (0.0,) * len(mechanics.contacts), z)
-    side = where(free > 0.0, 1.0, -1.0)
+    side = 1.0 if mechanics.touching[i].pushes else where(free > 0.0, 1.0, -1.0)
     return side * free / (1.0 + mechanics.laws[i].sliding(slip, 1.0) * yielding(mechanics, i, t, q) * side)

@@ -281,7 +281,7 @@ class SeveralBodies(Mechanics):
         velocities = dict(zip(self.bodies, self._arms("velocity", t), strict=True))
         return tuple(_offset(velocities, c) - prescribed_velocity(c.on, t) for c in self.joints.values())
 
-    def slips(self, t: Numeric, u: Numbers) -> tuple[Any, ...]:
+    def slips(self, t: Numeric, u: Numbers, q: Numbers = ()) -> tuple[Any, ...]:
         """Slip velocity of each contact [m/s]."""
         slips = []
         for contact, offset in zip(self.joints.values(), self.offsets(t), strict=True):

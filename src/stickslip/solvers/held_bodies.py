@@ -127,8 +127,8 @@ class BodiesCase(ABC):
 
     def sentence(self, status: int, side: Any, t: float) -> str:
         """Why a step could not be made, and what to do."""
-        _, u, _ = self._parts(side, t)
-        where = stopped.location(self._machine.mechanics, t, u, None)
+        q, u, _ = self._parts(side, t)
+        where = stopped.location(self._machine.mechanics, t, u, None, q)
         return f"{STATUS[status]} {where}. {stopped.remedy(status, self.rtol, bool(self._machine.mechanics.stops))}"
 
 

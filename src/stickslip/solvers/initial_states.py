@@ -123,6 +123,7 @@ def start_of_parts(model: Model, labels: Labels, start: Any, problems: Problems)
     q, u = (_columns(mechanics.coordinates_of(tuple(of.T)), cases) for of in (x, v))
     _check_distances(mechanics, x, q, v, u, problems)
     _check_stops(mechanics, q, problems)
+    _check_heights(mechanics, q, u, problems)
     loads = mechanics.loads(0.0, tuple(q.T), tuple(u.T))
     _check_loads(mechanics, loads, problems)
     begun = [state for law, load in zip(laws, loads, strict=True) for state in law.start(load)]
@@ -193,6 +194,23 @@ def _check_loads(mechanics: Mechanics, loads: Any, problems: Problems) -> None:
         if not law.flies and np.all(none):
             mistake = f"the load of the contact {name!r} is {float(np.max(load)):.4g} N at the start, so there is no contact"
             problems.add(f"{mistake}; allowed is more than zero; give another load=, or restitution=0.0 for a body that flies and lands")
+
+
+def _check_heights(mechanics: Mechanics, q: Array, u: Array, problems: Problems) -> None:
+    """Note points that a contact keeps on the ground and that do not begin there, or leave it."""
+    speed = float(np.max(getattr(mechanics, "velocity_scale", 1.0)))
+    time = 1.0 if (scale := getattr(mechanics, "time_scale", None)) is None else float(np.max(scale))
+    for name, (height, rate) in mechanics.heights(0.0, tuple(q.T), tuple(u.T)).items():
+        for value, least, what, unit in (
+            (height, _SAME * speed * time, "is", "m above"),
+            (rate, _SAME * speed, "moves at", "m/s away from"),
+        ):
+            if np.max(abs(np.asarray(value, float))) > least:
+                worst = float(np.ravel(value)[int(np.argmax(abs(np.ravel(value))))])
+                problems.add(
+                    f"the point of the contact {name!r} {what} {worst:.4g} {unit} what it rubs on at the start; "
+                    f"allowed is zero; type coordinates and rates of the start={{'x': {{...}}, 'v': {{...}}}} with which it is"
+                )
 
 
 def _check_stops(mechanics: Mechanics, q: Array, problems: Problems) -> None:

@@ -64,9 +64,9 @@ def run(todo: Request, tableau: Tableau | Series | None, rtol: float) -> Traject
 def _stopped(todo: Request, results: lanes.Results, kernel: lanes.Kernel, table: CaseTable, case: int, t: float, sides: Any) -> str:
     """The message of a run, or of one of the cases of a table, that could not be finished."""
     mechanics, status = machine_of(table.model_of(case)).mechanics, int(results.status[case])
-    _, u, _ = table.ends(results)
+    q, u, _ = table.ends(results)
     done = "" if todo.model.period is None else f" after {results.periods_run[case]} of {todo.periods} periods,"
-    where = stopped.location(mechanics, t, u[case], sides)
+    where = stopped.location(mechanics, t, u[case], sides, q[case])
     remedy = stopped.remedy(status, todo.rtol, bool(mechanics.stops))
     state = _state(todo, results.end[case], table.offsets[case], kernel.layout)
     return stopped.stopping_message(status, f"{done.lstrip()} {where}".strip(), state, remedy)

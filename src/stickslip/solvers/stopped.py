@@ -30,7 +30,7 @@ STIFF = (
 _STOPS = 'If hits on a stop follow one another without end until it is pressed for a while, type method="dop853" (SciPy: slower)'
 
 
-def location(mechanics: Any, t: float, u: Any, sides: Array | None) -> str:
+def location(mechanics: Any, t: float, u: Any, sides: Array | None, q: Any = ()) -> str:
     """The instant, and the contact that changed its mode most often: how often, and its slip velocity.
 
     Parameters
@@ -42,6 +42,8 @@ def location(mechanics: Any, t: float, u: Any, sides: Array | None) -> str:
         Velocities there [m/s].
     sides : array (steps, contacts), or None
         Modes of the contacts in the last steps, where they are known: else the contact that slips least is named.
+    q : array (coordinates,), optional
+        Coordinates there; they matter where slips depend on the place.
 
     Examples
     --------
@@ -53,7 +55,7 @@ def location(mechanics: Any, t: float, u: Any, sides: Array | None) -> str:
     """
     if not mechanics.contacts:
         return f"at t = {t:.9g} s"
-    slips = np.array([float(w) for w in mechanics.slips(t, list(u))])
+    slips = np.array([float(w) for w in mechanics.slips(t, list(u), list(q))])
     if sides is None:
         sides = np.empty((0, len(slips)))
     changes = np.count_nonzero(np.diff(sides[-LAST:], axis=0), axis=0) if len(sides) > 1 else np.zeros(len(slips), int)

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import quad, solve_ivp
+from scipy.optimize import brentq
 
 import stickslip as ss
 from cart_poles import CartAndBob
@@ -208,13 +209,89 @@ def rail(self, body, **given):
     return {"rail": ss.Contact(body, self.friction, hold="both", **given)}
 
 
+@dataclass(frozen=True, eq=False)
+class FreeRod(Rod):
+    """The same rod by the place of its middle: what keeps its foot on the rail is the contact."""
+
+    coordinates = ("x", "z", "angle")
+
+    def places(self, t, q):
+        return {"rod": (q["x"], q["z"], q["angle"])}
+
+
+def agrees(model, start, duration, end):
+    """The exact run, held against the judge to 1e-10: events, last state and load, and the energy balance to rounding."""
+    run, judge = (ss.solve(model, duration=duration, start=start, **given) for given in ({}, {"method": "dop853", "rtol": 1e-12}))
+    assert run.method == "exact" and run.status == judge.status == end
+    assert [(e.kind, e.part) for e in run.events] == [(e.kind, e.part) for e in judge.events]
+    assert np.max(abs(np.array([a.t - b.t for a, b in zip(run.events, judge.events, strict=True)]))) < 1e-10
+    for name in ("x", "v", "load"):
+        assert np.allclose(getattr(run, name)[-1], getattr(judge, name)[-1], rtol=0, atol=1e-10)
+    assert np.max(abs(ss.energy(run).residual)) < 1e-13
+    return run
+
+
+def test_a_point_of_a_body_on_the_ground_slips_by_what_its_place_says():
+    """Its row varies with the angle, and the contact keeps its height: the same motion as by coordinates that do."""
+    law, angle = ss.Coulomb(0.2, 0.2), 1.2
+    free = FreeRod(0.5, law)
+    start = {"x": {"x": 0.5 * np.cos(angle), "z": 0.5 * np.sin(angle), "angle": angle}, "v": {"x": 1.0}}
+    run = agrees(free, start, 2.0, "finished")
+    held = ss.solve(Rod(0.5, law), duration=2.0, start={"x": {"angle": angle}, "v": {"x": 1.0}})
+    assert len(run.events) == 5 and np.max(abs(np.array([a.t - b.t for a, b in zip(run.events, held.events, strict=True)]))) < 1e-12
+    for name in ("x", "z"):
+        assert np.allclose(getattr(run.bodies["rod"], name), getattr(held.bodies["rod"], name), rtol=0, atol=1e-12)
+    assert np.allclose(run.load, held.load, rtol=0, atol=1e-11)
+    assert np.allclose(run.bodies["rod"].z, 0.5 * np.sin(run.coordinates["angle"]), rtol=0, atol=1e-13)
+
+
+@each_row("x, v, words", [({"z": 0.1}, {}, "is 0.1 m above"), ({"z": 0.0}, {"z": 0.3}, "moves at 0.3 m/s away from")])
+def test_a_point_that_is_kept_on_the_ground_begins_there(x, v, words):
+    with pytest.raises(InputError, match=words):
+        ss.solve(FreeRod(0.5, ss.Coulomb(0.2, 0.2)), duration=1.0, start={"x": x, "v": v})
+
+
+@dataclass(frozen=True, eq=False)
+class Bead(ss.Machine):
+    """A bead on the wire z = x^2/2."""
+
+    friction: Any
+    coordinates = ("x",)
+    time_scale, velocity_scale = 1.0, 1.0
+
+    def bodies(self):
+        return {"bead": ss.Body(0.7)}
+
+    def places(self, t, q):
+        return {"bead": (q["x"], 0.5 * q["x"] ** 2)}
+
+    def contacts(self):
+        return {"wire": ss.Contact("bead", self.friction, hold="both")}
+
+
+def test_a_bead_on_a_curved_wire_turns_where_the_integral_says():
+    """With the angle a of the wire d(v^2 e^(2 mu a))/da = -2 g e^(2 mu a) (sin a + mu cos a)/cos^3 a, if it goes forwards."""
+    mu, first = 0.2, -np.pi / 4
+
+    def gained(last):
+        return quad(lambda a: np.exp(2 * mu * a) * (np.sin(a) + mu * np.cos(a)) / np.cos(a) ** 3, first, last, epsabs=1e-13, epsrel=1e-13)[
+            0
+        ]
+
+    run = agrees(Bead(ss.Coulomb(mu, mu)), {"x": {"x": -1.0}, "v": {}}, 2.5, "finished")
+    turn = brentq(gained, 0.1, 1.2, xtol=1e-15)
+    assert [e.kind for e in run.events] == ["reversal", "stick"]
+    assert run.at(run.events[0].t)["x"][0] == pytest.approx(np.tan(turn), abs=1e-11)
+
+
 @each_row(
     "changed, law, words",
     [
         ({}, ss.friction.LuGre.example(), "has inner states"),
         ({}, ss.Coulomb(0.1, 0.1, f_plus=0.2, f_minus=0.2), "static friction above kinetic is not there yet"),
         ({"contacts": both}, ss.Coulomb(0.1, 0.1), "solved for where it is the only contact"),
-        ({"contacts": lambda self: rail(self, "bob")}, ss.Coulomb(0.1, 0.1), "allowed is one coordinate"),
+        ({"contacts": lambda self: rail(self, "bob", on="cart")}, ss.Coulomb(0.1, 0.1, f_plus=0.2, f_minus=0.2), "static friction above"),
+        ({"contacts": lambda self: rail(self, "bob", on=0.1)}, ss.Coulomb(0.1, 0.1), "do not move"),
         ({"contacts": lambda self: rail(self, "cart", on=0.1)}, ss.Coulomb(0.1, 0.1), "do not move"),
     ],
 )  # fmt: skip

@@ -108,7 +108,7 @@ def _guards(model: Any, at: Coordinates, state: Array) -> Array:
     """Guards of the memories of all laws, as they are and after the next reversal of their contacts."""
     machine = machine_of(model)
     q, u, z = at.order.split(list(state[: at.smooth]), 0.0)
-    slips, loads = machine.mechanics.slips(0.0, u), machine.mechanics.loads(0.0, q, u)
+    slips, loads = machine.mechanics.slips(0.0, u, q), machine.mechanics.loads(0.0, q, u)
     inner = [z[begin:end] for begin, end in pairwise(accumulate((law.states for law in machine.laws), initial=0))]
     held = [state[at.smooth :][begin:end] for begin, end in pairwise(accumulate((law.modes for law in machine.laws), initial=0))]
     guards: list[float] = []

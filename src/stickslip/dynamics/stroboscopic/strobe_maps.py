@@ -580,7 +580,7 @@ def with_rests(model: Model, state: Array, periods: int, rtol: float) -> Array:
 def as_it_ends(at: Coordinates, state: Array, end: Array) -> Array:
     """A state in which what rests at the end of a run from nearby has the velocities that it has there."""
     v, settled = at.order.velocities, np.array(state)
-    slips = at.mechanics.slips(0.0, tuple(end[v]))
+    slips = at.mechanics.slips(0.0, tuple(end[v]), at.order.split(list(end[: at.smooth]), 0.0)[0])
     for row, slip in zip(at.mechanics.directions, slips, strict=True):
         if abs(float(slip)) <= _RESTS * at.speed:
             brakes = v.start + np.flatnonzero(row)

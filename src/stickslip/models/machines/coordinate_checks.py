@@ -18,7 +18,7 @@ from stickslip.models.placed_contacts import PlacedContact
 from stickslip.models.rails import loose
 from stickslip.models.said_of_motion import inertia_of_machine, kinetic_of_machine, places_of_machine
 
-_SAME = 1e-9  # of its size: how much a row may differ from place to place
+_SAME = 1e-9  # of its size: how much static friction may differ from kinetic
 _FLAT = 1e-12  # of the product of a matrix's diagonal: a determinant that is zero
 _LOOKS = 3
 _PLACES = 'def places(self, t, q): return {"cart": (q["x"], 0.0)}'
@@ -111,7 +111,7 @@ def _check_contact(name: Any, contact: Any, machine: Any, problems: Problems) ->
         problems.add(f'{where}.hold = {contact.hold!r}; contacts that lift off are not there yet; allowed is "both"; type hold="both"')
     if contact.load is None:
         rail = '; or a rail that holds it on both sides: type hold="both"' if of_body else ""
-        if contact.hold != "both" or not of_body:
+        if contact.hold is None or not of_body:
             problems.add(f"{where}.load is not given; allowed is a force [N], or a function of time and coordinates; type load=1.0{rail}")
     elif not callable(contact.load):
         checked_number(f"{where}.load", contact.load, problems, None, "a force [N], or a function of time and coordinates", "load=1.0")
@@ -142,7 +142,7 @@ def _check_numbers(m: AnyCoordinates, problems: Problems) -> None:
             "move a body with mass, and of which none follows from the others; leave it out, or give it a mass"
         )
     for name, contact in zip(m.contacts, m.touching, strict=True) if not problems.mistakes else ():
-        _check_row(name, contact, states, problems)
+        _check_row(name, contact, problems)
     for i, contact in enumerate(m.touching if not problems.mistakes else ()):
         if contact.is_held:
             _check_rail(m, i, problems)
@@ -195,24 +195,16 @@ def _check_rail(m: AnyCoordinates, i: int, problems: Problems) -> None:
         problems.add(f"{where}: static friction above kinetic is not there yet with a load that follows from the motion; {type_load}")
 
 
-def _check_row(name: str, contact: PlacedContact, states: list[tuple[float, ...]], problems: Problems) -> None:
-    where, given = f"contacts()[{name!r}]", contact.contact
-    if contact.of_body:
-        ways = [contact.ways_at(q) for q in states]
-        moves = [j for j in range(len(states[0])) if any(not everywhere(abs(x) + abs(z) == 0) for at in ways for x, z in at[j : j + 1])]
-        if given.hold == "both" and len(moves) != 1:
-            own = ", ".join(repr(contact.mechanics.bodies[j]) for j in moves) or "no coordinate"
-            problems.add(
-                f"{where} holds {given.body!r} on both sides, and {own} move it against what it rubs on; allowed is one coordinate; "
-                'type a contact of coordinates, such as ss.Contact({"x": 1.0}, law, load=1.0)'
-            )
-            return
-        rows = [contact.row_at(q) for q in states]
-        if any(not everywhere(abs(a - b) <= _SAME * (abs(a) + abs(b))) for row in rows for a, b in zip(row, contact.row, strict=True)):
-            problems.add(
-                f"{where}: what its slip takes of the coordinates' rates varies with the place, which is not there yet; allowed are rows "
-                'that do not; type a contact of coordinates, such as ss.Contact({"x": 1.0}, law, load=1.0)'
-            )
-            return
-    if not any(not everywhere(g == 0) for g in contact.row):
-        problems.add(f'{where}: no coordinate moves it, so that nothing decides its slip; type ss.Contact({{"x": 1.0}}, law, load=1.0)')
+def _check_row(name: str, contact: PlacedContact, problems: Problems) -> None:
+    where, given, nature = f"contacts()[{name!r}]", contact.contact, contact.nature
+    if not nature.moves:
+        against = "it against what it rubs on" if contact.of_body else "it"
+        problems.add(
+            f'{where}: no coordinate moves {against}, so that nothing decides its slip; type ss.Contact({{"x": 1.0}}, law, load=1.0)'
+        )
+    elif contact.keeps_height and contact.rubs_on_body:
+        own = ", ".join(repr(contact.mechanics.bodies[j]) for j in nature.moves)
+        problems.add(
+            f"{where} holds {given.body!r} on {given.on!r}, and {own} move it there; allowed there is one coordinate, along which "
+            'it slips; type a contact of coordinates, such as ss.Contact({"x": 1.0}, law, load=1.0)'
+        )

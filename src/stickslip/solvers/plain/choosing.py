@@ -30,8 +30,7 @@ _SOON = 1e-9  # of a period: when a body that begins at rest under a dynamic law
 
 def begun(e: Equations, t: float, y: ArrayLike, memory: tuple[tuple[int, ...], ...]) -> tuple[Any, ContactModes]:
     """State and mode at the start of a run."""
-    u = e.state(y)[1]
-    sides = [0 if w == 0.0 else _sign(w) for w in e.slips(t, u)]
+    sides = [0 if w == 0.0 else _sign(w) for w in e.slips(t, *e.state(y))]
     aloft = begun_aloft(e, t, y)
     mode = conditioned(e, t, y, turned_aloft(e, t, y, ContactModes(tuple(sides), memory, aloft=aloft), [i for i in aloft if sides[i] == 0]))
     sides = [*mode.sides]
@@ -51,7 +50,7 @@ def _sign(value: float) -> int:
 def _stops(e: Equations, t: float, y: ArrayLike) -> dict[int, int]:
     """Stops that touch without speed may be closed."""
     q, u = e.state(y)
-    gaps, rates, small = e.gaps(t, q), e.slips(t, u)[e.k :], e.noise_of_gaps(q)
+    gaps, rates, small = e.gaps(t, q), e.slips(t, q, u)[e.k :], e.noise_of_gaps(q)
     beyond = [stop.name for stop, gap in zip(e.stops, gaps, strict=True) if gap < -small]
     if beyond:
         raise SolveError(f"the run begins beyond the stop {beyond[0]}; give a start, or a gap, so that it is open or closed")
@@ -102,9 +101,9 @@ def after_event(
 
     `touched` are rows that came to zero slip, which with the resting rows of `mode` are decided; `forced` ones break away as told.
     """
-    u = e.state(y)[1]
-    w = e.slips(t, u)
-    noise = e.noise_of_slips(t, u, w)
+    q, u = e.state(y)
+    w = e.slips(t, q, u)
+    noise = e.noise_of_slips(t, q, u, w)
     zero = [
         i for i, side in enumerate(mode.sides)
         if not e.dynamic[i] and i not in mode.aloft and (side == 0 or i in touched or (i < e.k and abs(w[i]) <= noise[i]))

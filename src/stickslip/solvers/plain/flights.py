@@ -31,7 +31,7 @@ def landed(e: Equations, t: float, y: Array, mode: ContactModes, i: int) -> tupl
     """State and mode after a hit across, with its impulse along; whether the slip has come to zero."""
     gap, c, e_n = e.inner[i][0], e.alone[i] or 0, float(e.laws[i].restitution)
     mass, side, speed = e.masses[c], mode.sides[i], -float(y[gap + 1])
-    w, load = e.slips(t, e.state(y)[1])[i], e.loads(t, y)[i]
+    w, load = e.slips(t, *e.state(y))[i], e.loads(t, y)[i]
     rebound = e_n * max(speed, 0.0)
     over = load > 0.0 and 2.0 * rebound * mass <= SHORT * e.scale_of_time * load * (1.0 - e_n)
     rebound = 0.0 if over else rebound  # one that stays lands without it: the load makes up for the rebounds

@@ -29,8 +29,8 @@ class Guard(NamedTuple):
 def guards(e: Equations, t: float, y: Array, mode: ContactModes) -> list[Guard]:
     """All of a mode, in an order that the mode alone decides."""
     q, u = e.state(y)
-    w = e.slips(t, u)
-    noise = e.noise_of_slips(t, u, w)
+    w = e.slips(t, q, u)
+    noise = e.noise_of_slips(t, q, u, w)
     loads = e.loads(t, y, mode)
     guards = [
         Guard("slip", i, 0, side * w[i] + e.no_reversal[i], noise[i] or NOTHING)

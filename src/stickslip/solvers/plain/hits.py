@@ -27,7 +27,7 @@ def rebound(e: Equations, t: float, y: Numeric, rows: list[int]) -> tuple[Any, d
     G = np.array([[e.G[i][j] for j in rows] for i in rows])
     still = ROUNDING * e.scale_of_velocity
     for _ in range(_MOST):
-        rates = e.slips(t, y[n : 2 * n].tolist())
+        rates = e.slips(t, y[:n].tolist(), y[n : 2 * n].tolist())
         if all(rates[i] >= -still for i in rows) or (not hits and not rows):
             return y, hits
         for block in blocks(G):
@@ -56,7 +56,7 @@ def _impulse(e: Equations, rows: list[int], rates: list[float], restitution: flo
 
 def closing_stops(e: Equations, t: float, y: ArrayLike, mode: ContactModes, rows: list[int]) -> dict[int, float]:
     """Stops whose rebounds have become a geometric series that ends at once, or no higher than rounding, and when it does [s]."""
-    rates = e.slips(t, e.state(y)[1])
+    rates = e.slips(t, *e.state(y))
     accelerations, small = e.slip_rates(t, y, mode), e.noise_of_gaps(e.state(y)[0])
     ends: dict[int, float] = {}
     for i in rows:

@@ -127,7 +127,7 @@ class Run:
         return tuple(tuple(itertools.islice(whole, law.modes)) for law in self.equations.laws)
 
     def _slips(self) -> list[float]:
-        return self.equations.slips(self.t, self.equations.state(self.y)[1])
+        return self.equations.slips(self.t, *self.equations.state(self.y))
 
     # ---- instants that are known ----
     def throw(self, jump: Jumps, sample: bool = False) -> None:
@@ -186,7 +186,7 @@ class Run:
     def message(self, status: Status) -> str:
         """Where and why the run ended before its time."""
         e, sides = self.equations, np.array([sides for _, sides in self.recent], int).reshape(len(self.recent), -1)
-        where = location(e.mechanics, self.t, e.state(self.y)[1], sides)
+        where = location(e.mechanics, self.t, e.state(self.y)[1], sides, e.state(self.y)[0])
         state = ", ".join(f"{value:.9g}" for value in self.y.tolist())
         slow = status == Status.BUDGET and self.todo.method == "dop853"
         return stopping_message(status, where, state, STIFF if slow else remedy(status, self.todo.rtol, False))

@@ -11,17 +11,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
-from stickslip.basics.maths import cos, sin
 from stickslip.models.friction.law_adapter import TINY
-from stickslip.models.link_ends import Point, body_of
+from stickslip.models.link_ends import body_of
 from stickslip.solvers.plain.jets import Jet, coordinates, lifted
 from stickslip.solvers.plain.kinks import Watching, noting
+from stickslip.solvers.plain.own_places import Apart, Floats, apart_of, rubbing, solution
 
 _KEPT = 6  # states that are remembered
-Floats = list[Any]
+_NOTHING = 1e-12  # of its largest slope: a slope that is none
 
 
 class _Shape(NamedTuple):
@@ -30,7 +30,16 @@ class _Shape(NamedTuple):
     M: list[Floats]
     h: Floats
     places: dict[str, list[Jet]]
-    apart: list[_Apart]
+    apart: list[Apart]
+    slips: list[_Slip]
+
+
+class _Slip(NamedTuple):
+    """What a contact's slip takes of the coordinates' rates, its rate while these stay, and the point that rubs, where it is one."""
+
+    row: Floats
+    bias: Any
+    point: tuple[Jet, Jet] | None
 
 
 class _State(NamedTuple):
@@ -42,21 +51,13 @@ class _State(NamedTuple):
     tensions: Floats
 
 
-class _Apart(NamedTuple):
-    """How far the ends of a link are apart, and in which direction from the second to the first."""
-
-    distance: Jet
-    x: Any
-    z: Any
-
-
 class OwnRoute:
     """The methods of a machine's equations that the judge asks of it, by a way of its own.
 
     Parameters
     ----------
     mechanics : stickslip.models.any_coordinates.AnyCoordinates
-        The machine: what its declaration gives, and the constant rows of its contacts.
+        The machine: what its declaration gives.
 
     Examples
     --------
@@ -81,48 +82,140 @@ class OwnRoute:
 
     def __init__(self, mechanics: Any):
         self.mechanics, self.model, self.names = mechanics, mechanics.model, mechanics.bodies
-        self.rows = [list(map(float, row)) for row in mechanics.rows(0.0, mechanics.start)]
+        self.given = [touching.contact for touching in mechanics.touching]
         self._shapes: dict[Any, _Shape] = {}
         self._states: dict[Any, _State] = {}
 
     # ---- asked by the judge ----
-    def felt(self, t: float, q: Sequence[Any], u: Sequence[Any]) -> list[Floats]:
+    def rows(self, t: float, q: Sequence[Any], u: Sequence[Any]) -> list[Floats]:
+        """What the slip of each contact takes of the coordinates' rates."""
+        return [[float(g) for g in slip.row] for slip in self.shape(t, q, u).slips]
+
+    def biases(self, t: float, q: Sequence[Any], u: Sequence[Any]) -> Floats:
+        """Rates of the slips while the coordinates' rates stay as they are."""
+        return [float(slip.bias) for slip in self.shape(t, q, u).slips]
+
+    def slips(self, t: float, q: Sequence[Any], u: Sequence[Any]) -> Floats:
+        """Slip velocities."""
+        offsets = self.mechanics.offsets(t)
+        return [
+            sum(g * float(v) for g, v in zip(row, u, strict=True)) + float(b) for row, b in zip(self.rows(t, q, u), offsets, strict=True)
+        ]
+
+    def felt(self, t: float, q: Sequence[Any], u: Sequence[Any], aloft: frozenset[int] = frozenset()) -> list[Floats]:
         """What a unit force in each contact does to the rates of the coordinates."""
-        M = self.shape(t, q, u).M
-        return [[float(value) for value in solution(M, row)] for row in self.rows]
+        shape = self.shape(t, q, u)
+        still = dict.fromkeys(self._keeping(aloft), 0.0)
+        return [[float(value) for value in self._moved(shape, slip.row, still)[0]] for slip in shape.slips]
 
-    def accelerations(self, t: float, q: Sequence[Any], u: Sequence[Any], R: Sequence[Any], z: Any = None) -> Floats:
-        """Second derivatives of the coordinates under friction forces."""
+    def accelerations(
+        self, t: float, q: Sequence[Any], u: Sequence[Any], R: Sequence[Any], z: Any = None, aloft: frozenset[int] = frozenset()
+    ) -> Floats:
+        """Second derivatives of the coordinates under friction forces, with contacts in flight that do not press."""
         state = self.state(t, q, u, z)
-        h = [of - sum(row[j] * force for row, force in zip(self.rows, R, strict=True)) for j, of in enumerate(state.h)]
-        return solution(state.shape.M, h)
+        slips = state.shape.slips
+        h = [of - sum(slip.row[j] * force for slip, force in zip(slips, R, strict=True)) for j, of in enumerate(state.h)]
+        return self._moved(state.shape, h, self._keeping(aloft, state.shape))[0]
 
-    def load(self, i: int, t: float, q: Sequence[Any], u: Sequence[Any], z: Any = None) -> Any:
-        """Normal force on a contact [N]: what it says, or what a rail needs while its body slips to the side of its slip."""
-        contact = self.mechanics.touching[i].contact
+    def load(self, i: int, t: float, q: Sequence[Any], u: Sequence[Any], z: Any = None, side: int | None = None) -> Any:
+        """Normal force on a contact [N]: what it says, or what its motion needs while it slips to its side, or to a given one."""
+        contact = self.given[i]
         if not self.mechanics.touching[i].is_held:
             return contact.load(t, self._named(q)) if callable(contact.load) else contact.load
         state = self.state(t, q, u, z)
-        slip = sum(g * float(v) for g, v in zip(self.rows[i], u, strict=True)) + float(self.mechanics.offsets(t)[i])
-        per_load = float(self.mechanics.laws[i].sliding(slip or TINY, 1.0))
-        need, by = self._needed(i, state)
-        free = need + sum(c * a for c, a in zip(by, solution(state.shape.M, state.h), strict=True))
-        side = 1.0 if noting(free, u[0]) > 0.0 else -1.0
-        left = 1.0 + per_load * side * self._given(i, state, by)
-        return side * free / left if left else math.inf
+        free, by = self._pressing(i, state)
+        way = 1.0 if contact.hold == "push" or noting(free, u[0]) > 0.0 else -1.0
+        left = 1.0 + self._per_load(i, t, q, u, side) * way * by
+        return way * free / left if left else math.inf
 
     def border(self, i: int, t: float, q: Sequence[Any], u: Sequence[Any], side: int) -> float | None:
-        """Positive as long as one load of a rail follows while its body slips to a side: 1 - |b C|; None of a load that is given."""
+        """Positive as long as one load follows while a contact slips to a side; None of a load that is given."""
         if not self.mechanics.touching[i].is_held:
             return None
-        slip = sum(g * float(v) for g, v in zip(self.rows[i], u, strict=True)) + float(self.mechanics.offsets(t)[i])
-        state = self.state(t, q, u, None)
-        per_load = float(self.mechanics.laws[i].sliding(slip if side * slip > TINY else side * TINY, 1.0))
-        return 1.0 - abs(per_load * float(self._given(i, state, self._needed(i, state)[1])))
+        back = self._per_load(i, t, q, u, side) * float(self._pressing(i, self.state(t, q, u, None))[1])
+        return 1.0 + back if self.given[i].hold == "push" else 1.0 - abs(back)
 
-    def _given(self, i: int, state: _State, by: Floats) -> Any:
-        """How much of the force of a rail its friction of one newton takes."""
-        return sum(c * a for c, a in zip(by, solution(state.shape.M, self.rows[i]), strict=True))
+    def gap(self, i: int, t: float, q: Sequence[Any], u: Sequence[Any]) -> tuple[float, float]:
+        """How high the point of a contact is above what it rubs on, and how fast that grows."""
+        point = self.shape(t, q, u).slips[i].point
+        return (float(point[1].value), float(point[1].rate)) if point is not None else (0.0, 0.0)
+
+    def _per_load(self, i: int, t: float, q: Sequence[Any], u: Sequence[Any], side: int | None) -> float:
+        """Friction force for a load of one newton."""
+        slip = self.slips(t, q, u)[i]
+        if side is not None and not side * slip > TINY:
+            slip = side * TINY
+        return float(self.mechanics.laws[i].sliding(slip or TINY, 1.0))
+
+    # ---- contacts that keep a height ----
+    def _keeping(self, aloft: frozenset[int], shape: _Shape | None = None) -> dict[int, Any]:
+        """By contact that keeps its height how fast that would change its rate."""
+        touching = [i for i, kind in enumerate(self._kinds) if kind == "kept" and i not in aloft]
+        return {i: 0.0 if shape is None else self._upwards(i, shape).second for i in touching}
+
+    def _upwards(self, i: int, shape: _Shape) -> Jet:
+        point = shape.slips[i].point
+        assert point is not None
+        return point[1]
+
+    def _moved(self, shape: _Shape, force: Floats, keeping: dict[int, Any]) -> tuple[Floats, dict[int, Any]]:
+        """Accelerations under generalized forces, and the normal forces of contacts that keep their heights: one set of equations."""
+        M, h = [[*row] for row in shape.M], [*force]
+        for i, bias in keeping.items():
+            slopes = [*self._upwards(i, shape).slopes, *(0.0 for _ in range(len(M) - len(self.names)))]
+            M = [[*row, slope] for row, slope in zip(M, slopes, strict=True)]
+            M.append([*slopes, 0.0])
+            h.append(-bias)
+        found = solution(M, h)
+        return found[: len(self.names)], {i: -force for i, force in zip(keeping, found[len(self.names) :], strict=True)}
+
+    def _pressing(self, i: int, state: _State) -> tuple[Any, Any]:
+        """The normal force without friction, and how much of it friction of one newton takes."""
+        row = state.shape.slips[i].row
+        if self._kinds[i] == "kept":
+            free = self._moved(state.shape, state.h, self._keeping(frozenset(), state.shape))[1][i]
+            return free, -self._moved(state.shape, [-g for g in row], self._keeping(frozenset()))[1][i]
+        need, by = self._needed(i, state)
+        free = need + sum(c * a for c, a in zip(by, solution(state.shape.M, state.h), strict=True))
+        return free, sum(c * a for c, a in zip(by, solution(state.shape.M, row), strict=True))
+
+    @cached_property
+    def _kinds(self) -> list[str]:
+        """Of each contact what its slip is: "" by its declaration, "along" a way in x and z, "level" along x, or "kept" at its height."""
+        n, kinds = len(self.names), []
+        looks = [[0.1 + 0.37 * k + 0.23 * j for j in range(n)] for k in range(3)] if not self.mechanics.by_energy else []
+        seen = [self._places(0.0, q, [0.0] * n) for q in looks]
+        for contact in self.given:
+            if self.mechanics.by_energy or not (isinstance(contact.body, str) and contact.body in self.mechanics.placed):
+                kinds.append("")
+                continue
+            points = [rubbing(contact, places, n) for places in seen]
+            size = max(abs(s) for point in points for part in point for s in part.slopes)
+            moving = [j for j in range(n) if any(abs(part.slopes[j]) > _NOTHING * size for point in points for part in point)]
+            rising = any(abs(s) > _NOTHING * size for _, z in points for s in z.slopes)
+            along = contact.hold == "both" and len(moving) == 1
+            kinds.append("along" if along and rising else "kept" if rising and contact.load is None else "level")
+        return kinds
+
+    def _slip(self, i: int, places: dict[str, list[Jet]], n: int) -> _Slip:
+        """The slip of a contact at a state."""
+        contact, kind = self.given[i], self._kinds[i]
+        if not kind:
+            return _Slip([float(g) for g in self.mechanics.touching[i].row], 0.0, None)
+        x, z = rubbing(contact, places, n)
+        if kind != "along":
+            return _Slip(list(x.slopes), x.second, (x, z))
+        j = max(range(n), key=lambda j: float(x.slopes[j]) ** 2 + float(z.slopes[j]) ** 2)
+        dx, dz = x.slopes[j], z.slopes[j]
+        length = dz if self._upright(i) else (dx * dx + dz * dz) ** 0.5
+        return _Slip([length if k == j else 0.0 for k in range(n)], (dx * x.second + dz * z.second) / length, (x, z))
+
+    @lru_cache(maxsize=64)  # noqa: B019  # of one run
+    def _upright(self, i: int) -> bool:
+        """Whether a way goes along z alone."""
+        n = len(self.names)
+        x, _ = rubbing(self.given[i], self._places(0.0, [0.1 + 0.23 * j for j in range(n)], [0.0] * n), n)
+        return all(abs(s) <= _NOTHING for s in x.slopes)
 
     # ---- once for a state ----
     def state(self, t: float, q: Sequence[Any], u: Sequence[Any], z: Any) -> _State:
@@ -157,13 +250,8 @@ class OwnRoute:
     def _derived(self, t: float, q: Sequence[Any], u: Sequence[Any]) -> _Shape:
         if self.mechanics.by_energy:
             M, gyroscopic = self._by_energy(q, u)
-            return _Shape(M, [-g for g in gyroscopic], {}, [])
-        n = len(q)
-        given = self.model.places(Jet(t, [0.0] * n, 1.0, 0.0), self._named(coordinates(q, u)))
-        places = {
-            name: [lifted(part, n) for part in (given[name] if isinstance(given[name], tuple) else (given[name],))]
-            for name in self.mechanics.placed
-        }
+            return _Shape(M, [-g for g in gyroscopic], {}, [], [self._slip(i, {}, len(q)) for i in range(len(self.given))])
+        n, places = len(q), self._places(t, q, u)
         M, h = [[0.0] * n for _ in range(n)], [0.0] * n
         for name, components in places.items():
             for m, part in zip(self._inertias(name), components, strict=False):
@@ -172,7 +260,17 @@ class OwnRoute:
                     h[j] = h[j] - m * slopes[j] * part.second
                     for k in range(j + 1):
                         M[j][k] = M[k][j] = M[j][k] + m * slopes[j] * slopes[k]
-        return _Shape(M, h, places, [_apart(link, t, places, n) for link in self.mechanics.placed_links])
+        apart = [apart_of(link, t, places, n) for link in self.mechanics.placed_links]
+        return _Shape(M, h, places, apart, [self._slip(i, places, n) for i in range(len(self.given))])
+
+    def _places(self, t: float, q: Sequence[Any], u: Sequence[Any]) -> dict[str, list[Jet]]:
+        """Where bodies are."""
+        n = len(q)
+        given = self.model.places(Jet(t, [0.0] * n, 1.0, 0.0), self._named(coordinates(q, u)))
+        return {
+            name: [lifted(part, n) for part in (given[name] if isinstance(given[name], tuple) else (given[name],))]
+            for name in self.mechanics.placed
+        }
 
     def _with_forces(self, t: float, q: Sequence[Any], u: Sequence[Any], z: Any) -> _State:
         shape = self.shape(t, q, u)
@@ -280,26 +378,13 @@ class OwnRoute:
         return names
 
     def _normal(self, i: int, places: dict[str, list[Jet]]) -> tuple[Any, Any]:
-        """A quarter turn from the way along which the one coordinate that moves a point moves it, against what it rubs on."""
-        contact = self.mechanics.touching[i].contact
-        x, z = _point(places[contact.body], contact.at or (0.0, 0.0))
-        if isinstance(contact.on, str):
-            other = places[contact.on]
-            x, z = x - other[0], z - (other[1] if len(other) > 1 else 0.0)
-        ways = list(zip(x.slopes, z.slopes, strict=True))
-        dx, dz = max(ways, key=lambda way: float(way[0]) ** 2 + float(way[1]) ** 2)
-        length = (dx * dx + dz * dz) ** 0.5
+        """Upwards, or a quarter turn from the way along which the one coordinate that moves a point moves it."""
+        if self._kinds[i] != "along":
+            return 0.0, 1.0
+        x, z = rubbing(self.given[i], places, len(self.names))
+        dx, dz = max(zip(x.slopes, z.slopes, strict=True), key=lambda way: float(way[0]) ** 2 + float(way[1]) ** 2)
+        length = dz if self._upright(i) else (dx * dx + dz * dz) ** 0.5
         return -dz / length, dx / length
-
-
-def _point(components: list[Jet], at: tuple[Any, Any]) -> tuple[Jet, Jet]:
-    """A point of a body, from its own axes."""
-    x, z, (a, b) = components[0], components[1], at
-    if len(components) < 3:
-        return x + a, z + b
-    turn: Any = components[2]
-    c, s = cos(turn), sin(turn)
-    return x + a * c - b * s, z + a * s + b * c
 
 
 def _remembered(known: dict[Any, Any], key: Any, derived: Callable[[], Any]) -> Any:
@@ -309,54 +394,3 @@ def _remembered(known: dict[Any, Any], key: Any, derived: Callable[[], Any]) -> 
             del known[next(iter(known))]
         known[key] = derived()
     return known[key]
-
-
-def _apart(link: Any, t: float, places: dict[str, list[Jet]], n: int) -> _Apart:
-    """How far the ends of a link are apart: between angles, or on a line, with a sign."""
-    (x1, z1, a1), (x2, z2, a2) = ends = [_end(end, t, places, n) for end in link.ends]
-    if link.turns:
-        return _Apart(a1 - a2, 0.0, 0.0)
-    if all(z is None for _, z, _ in ends):
-        return _Apart(x1 - x2, 1.0, 0.0)
-    x, z = x1 - x2, (lifted(0.0, n) if z1 is None else z1) - (lifted(0.0, n) if z2 is None else z2)
-    distance = (x * x + z * z) ** 0.5
-    return _Apart(distance, x.value / distance.value, z.value / distance.value)
-
-
-def _end(end: Any, t: float, places: dict[str, list[Jet]], n: int) -> tuple[Any, Any, Any]:
-    """Where a link ends in x and z, which may be a line without heights, and at what angle."""
-    nothing = lifted(0.0, n)
-    if end is None:
-        return nothing, None, nothing
-    body = body_of(end)
-    if body is None:
-        x, z = end.at(Jet(t, [0.0] * n, 1.0, 0.0)) if callable(end.at) else end.at
-        return lifted(x, n), lifted(z, n), nothing
-    components = places[body]
-    if isinstance(end, Point):
-        x, z = _point([*components, nothing][: max(2, len(components))], end.at)
-        return x, z, nothing
-    return components[0], components[1] if len(components) > 1 else None, components[2] if len(components) > 2 else nothing
-
-
-def solution(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> Floats:
-    """The solution of M a = right by Cholesky's factors without roots, M = L D L^T.
-
-    Examples
-    --------
-    >>> solution([[2.0, 1.0], [1.0, 3.0]], [3.0, 5.0])
-    [0.8, 1.4]
-    """
-    n = len(right)
-    L: list[Floats] = [[0.0] * n for _ in range(n)]
-    D: Floats = []
-    y: Floats = []
-    for i in range(n):
-        for j in range(i):
-            L[i][j] = (matrix[i][j] - sum(L[i][k] * L[j][k] * D[k] for k in range(j))) / D[j]
-        D.append(matrix[i][i] - sum(L[i][k] * L[i][k] * D[k] for k in range(i)))
-        y.append(right[i] - sum(L[i][k] * y[k] for k in range(i)))
-    a = [value / d for value, d in zip(y, D, strict=True)]
-    for i in reversed(range(n)):
-        a[i] = a[i] - sum(L[k][i] * a[k] for k in range(i + 1, n))
-    return a

@@ -82,9 +82,13 @@ class Equations:
         self.laws, self.stops, self.principal = mechanics.laws, mechanics.stops, machine.principal
         self.single = machine.one_body is not None
         self.masses = [float(m) for m in mechanics.masses]
-        rows = mechanics.rows(0.0, mechanics.start)
-        self.rows = [tuple(map(float, row)) for row in (*rows, *(stop.direction for stop in self.stops))]
-        self.alone = [next((c for c, g in enumerate(row) if g), 0) if sum(map(bool, row)) == 1 else None for row in self.rows]
+        self.n = len(self.masses)
+        self.rows = self.rows_at(0.0, [float(x) for x in mechanics.start], [0.0] * self.n)
+        self.biases: Floats = [0.0] * len(self.rows)  # rates of the slips that rows which vary with the place have of themselves
+        self.alone = [
+            None if varies or sum(map(bool, row)) != 1 else next((c for c, g in enumerate(row) if g), 0)
+            for row, varies in zip(self.rows, [*mechanics.varying, *(False for _ in self.stops)], strict=True)
+        ]
         self.weighed: tuple[float, ...] = ()
         self._weigh([[g / m for g, m in zip(row, self.masses, strict=True)] for row in self.rows])
         self.dynamic = [*(law.dynamic for law in self.laws), *(False for _ in self.stops)]
@@ -116,10 +120,16 @@ class Equations:
         self.groups = lru_cache(maxsize=256)(self._groups)
 
     def look(self, t: float, q: Floats, u: Floats) -> None:
-        """Weigh anew where the matrix of inertia is that of a place."""
-        if self.mechanics.joined and self.weighed != (at := (t, *q)):
+        """Weigh anew where the matrix of inertia, or a row, is that of a place."""
+        if self.mechanics.joined and self.weighed != (at := (t, *q, *u)):
             self.weighed = at
+            self.rows, self.biases = self.rows_at(t, q, u), [*self.own.biases(t, q, u), *(0.0 for _ in self.stops)]
             self._weigh(self.own.felt(t, q, u))
+
+    def rows_at(self, t: float, q: Sequence[float], u: Sequence[float]) -> list[tuple[float, ...]]:
+        """What slips and gaps take of the coordinates' velocities."""
+        own = self.own.rows(t, q, u) if self.mechanics.joined else self.mechanics.rows(t, q)
+        return [tuple(map(float, row)) for row in (*own, *(stop.direction for stop in self.stops))]
 
     def _count(self) -> None:
         self.n, self.k = len(self.masses), len(self.laws)
@@ -178,19 +188,24 @@ class Equations:
         return np.array([*[speed * T] * self.n, *speeds, *inner])
 
     # ---- kinematics ----
-    def slips(self, t: float, u: Sequence[float]) -> Floats:
+    def slips(self, t: float, q: Sequence[float], u: Sequence[float]) -> Floats:
         """Slip velocity of each contact, then opening velocity of each stop [m/s]."""
         t = self.time(t)
-        return [*map(float, self.mechanics.slips(t, u)), *(float(stop.rate(t, u)) for stop in self.stops)]
+        return [*self._own_slips(t, q, u), *(float(stop.rate(t, u)) for stop in self.stops)]
+
+    def _own_slips(self, t: float, q: Any, u: Any) -> Floats:
+        """Slip velocities of the contacts."""
+        return self.own.slips(t, q, u) if self.mechanics.joined else [*map(float, self.mechanics.slips(t, u))]
 
     def offset_rates(self, t: float) -> Floats:
-        """Their rates while no coordinate's velocity changes [m/s^2]."""
+        """Their rates while no coordinate's velocity changes, and as rows are [m/s^2]."""
         return [*map(float, self.mechanics.offset_rates(t)), *(float(stop.offset_rate(t)) for stop in self.stops)]
 
-    def noise_of_slips(self, t: float, u: Sequence[float], w: Sequence[float]) -> Floats:
+    def noise_of_slips(self, t: float, q: Sequence[float], u: Sequence[float], w: Sequence[float]) -> Floats:
         """The size of rounding errors in slips that are differences."""
-        terms = [[abs(g * v) for g, v in zip(row, u, strict=True) if g] for row in self.rows]
-        rest = [abs(value - _dot(row, u)) for value, row in zip(w, self.rows, strict=True)]
+        rows = self.rows_at(t, q, u) if self.mechanics.joined else self.rows
+        terms = [[abs(g * v) for g, v in zip(row, u, strict=True) if g] for row in rows]
+        rest = [abs(value - _dot(row, u)) for value, row in zip(w, rows, strict=True)]
         noise = [0.0 if b <= ROUNDING * sum(each) else b + self.scale_of_velocity for each, b in zip(terms, rest, strict=True)]
         return [0.0 if len(each) == 1 and not b else ROUNDING * (sum(each) + b) for each, b in zip(terms, noise, strict=True)]
 
@@ -209,7 +224,7 @@ class Equations:
         forwards, backwards = self._by_side(t, y, mode.kinks[1] if mode else ())
         if not self.of_motion:
             return forwards
-        sides = mode.sides if mode else [1 if w >= 0.0 else -1 for w in self.slips(t, self.state(y)[1])]
+        sides = mode.sides if mode else [1 if w >= 0.0 else -1 for w in self.slips(t, *self.state(y))]
         return [a if side >= 0 else b for a, b, side in zip(forwards, backwards, sides, strict=False)]
 
     def least_loads(self, t: float, y: ArrayLike, mode: ContactModes) -> Floats:
@@ -242,6 +257,9 @@ class Equations:
 
     def _pressed(self, t: float, q: Any, u: Any, z: Any) -> list[Any]:
         """Loads of all contacts with their slips held forwards, then backwards."""
+        if self.mechanics.joined:
+            rests = [not law.dynamic for law in self.laws]
+            return [self.own.load(i, t, q, u, z, side if rests[i] else None) for side in (1, -1) for i in range(self.k)]
         loads = []
         for side in (1, -1):
             for i, w in enumerate(self.mechanics.slips(t, [float(v) for v in u])):
@@ -280,13 +298,13 @@ class Equations:
         t = self.time(t)
         q, u = self.state(y)
         self.look(t, q, u)
-        u = self.settled(t, u, mode)
-        w, loads = [*map(float, self.mechanics.slips(t, u))], self.pressed(t, [*q, *u, *y[2 * self.n :]], mode)
+        u = self.settled(t, q, u, mode)
+        w, loads = self._own_slips(t, q, u), self.pressed(t, [*q, *u, *y[2 * self.n :]], mode)
         R, inner = self._friction(t, q, u, y, w, loads.on(mode.sides), mode)
         rates_of_all = self.forces(mode.kinks[0], t, q, u, R, self.controlled(y))
         a, inner = rates_of_all[: self.n], [*inner, *rates_of_all[self.n :]]
         R, rates = [*R, *(0.0 for _ in self.stops)], self.offset_rates(t)
-        push = [_dot(row, a) + rate for row, rate in zip(self.rows, rates, strict=True)]
+        push = [_dot(row, a) + rate + own for row, rate, own in zip(self.rows, rates, self.biases, strict=True)]
         for group in self.groups(mode.sides):
             held_by = group.hold([push[i] for i in group.rows], lambda: self.limits(loads))
             for i, force in zip(group.rows, held_by, strict=True):
@@ -358,7 +376,7 @@ class Equations:
     def slip_rates(self, t: float, y: ArrayLike, mode: ContactModes) -> Floats:
         """Rates of all slips in a mode [m/s^2]."""
         a, rates = self.motion(t, y, mode).accelerations, self.offset_rates(self.time(t))
-        return [_dot(row, a) + rate for row, rate in zip(self.rows, rates, strict=True)]
+        return [_dot(row, a) + rate + own for row, rate, own in zip(self.rows, rates, self.biases, strict=True)]
 
     # ---- rest ----
     def _groups(self, sides: tuple[int, ...]) -> list[RestingGroup]:
@@ -367,11 +385,11 @@ class Equations:
         G = [[self.G[i][j] for j in resting] for i in resting]
         return [group_of([resting[n] for n in block], self.G, self.effective) for block in blocks(G)]
 
-    def settled(self, t: float, u: Floats, mode: ContactModes) -> Floats:
+    def settled(self, t: float, q: Floats, u: Floats, mode: ContactModes) -> Floats:
         """Velocities with which resting rows do not slip at all."""
         if 0 not in mode.sides:
             return u
-        u, w = list(u), self.slips(t, [0.0] * self.n)
+        u, w = list(u), self.slips(t, q, [0.0] * self.n)
         for group in self.groups(mode.sides):
             if all(self.alone[i] is not None for i in group.rows):
                 i = group.rows[0]
@@ -386,7 +404,7 @@ class Equations:
         """The state with resting rows settled."""
         y = np.array(y, float)
         self.look(t, *self.state(y))
-        y[self.n : 2 * self.n] = self.settled(self.time(t), self.state(y)[1], mode)
+        y[self.n : 2 * self.n] = self.settled(self.time(t), *self.state(y), mode)
         return y
 
     # ---- memories and conditions ----
@@ -410,7 +428,7 @@ class Equations:
         """The states of the dense output: velocities of the coordinates, inner states, and positions where they are known."""
         q, u = self.state(y)
         self.look(t, q, u)
-        return [*self.settled(self.time(t), u, mode), *map(float, y[2 * self.n :]), *(() if self.cyclic else q)]
+        return [*self.settled(self.time(t), q, u, mode), *map(float, y[2 * self.n :]), *(() if self.cyclic else q)]
 
 
 def held(w: float, side: int) -> float:

@@ -172,7 +172,7 @@ def integrate(
 def _begin(equations: Equations, right: Any, t: float, y: Array, mode: ContactModes, before: list[Guard]) -> tuple[set[int], list[Guard]]:
     """Guards that begin at zero and rise, and those that begin at zero and fall: an event at once."""
     fresh = {k for k, guard in enumerate(before) if guard.value <= 0.0}
-    rates = equations.slips(t, equations.state(y)[1])
+    rates = equations.slips(t, *equations.state(y))
     asked = [
         k for k in sorted(fresh)
         if before[k].sort not in ("slip", "landing") and not (before[k].sort == "gap" and rates[before[k].part] > 0.0)

@@ -118,8 +118,9 @@ def _of_machine(run: Trajectory) -> Iterator[_Course]:
 
 def _slip(run: Trajectory, mechanics: Mechanics, number: int, t: Array) -> Array:
     """The slip of one contact."""
-    v = np.reshape(run._states_at(t, run._index(t))[1], (len(t), -1))
-    return np.broadcast_to(mechanics.slips(t, mechanics.coordinates_of(tuple(v.T)))[number], t.shape)
+    x, v = (np.reshape(of, (len(t), -1)) for of in run._states_at(t, run._index(t))[:2])
+    q, u = (mechanics.coordinates_of(tuple(of.T)) for of in (x, v))
+    return np.broadcast_to(mechanics.slips(t, u, q)[number], t.shape)
 
 
 def _of_contact(name: str, watched: Any, slip: Callable[[Array], Array], first: float, last: float) -> Iterator[_Course]:
