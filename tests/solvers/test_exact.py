@@ -22,8 +22,12 @@ def rig(tilt_deg, amplitude, **changes):
 
 def raw_of(robot, periods=200, settle=100, **more):
     raw = exact.solve_batch(robot, periods, settle, **more)
-    told = type_of(raw["seg_count"], raw["seg_time"], raw["seg_code"], raw["period"], raw["margin_force"], raw["displacement"])
-    return {**raw, **told, "V": raw["displacement"] / (raw["window"] * dimensionless_arcs(robot).period)}
+    types = type_of(raw["seg_count"], raw["seg_time"], raw["seg_code"], raw["period"], raw["margin_force"], raw["displacement"])
+    return {
+        **raw,
+        **{name: np.asarray(values) for name, values in types.items()},
+        "V": raw["displacement"] / (raw["window"] * dimensionless_arcs(robot).period),
+    }
 
 
 # the paper's numbers ----------------------------------------------------------------------------------------------

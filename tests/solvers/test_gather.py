@@ -42,6 +42,22 @@ def test_columns_of_a_large_batch_are_those_that_are_computed_when_read(monkeypa
             assert np.array_equal(np.asarray(values).astype(str), np.asarray(later.columns[name]).astype(str)), name
 
 
+def test_the_direction_of_a_body_on_a_belt_is_that_of_its_slip():
+    block = ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0, f_plus=1.5, f_minus=1.5))
+    speeds = np.array([-0.2, 0.1])
+    for method in ("auto", "dop853"):
+        many = ss.solve(block.replace(speed=speeds), duration=20.0, keep="summary", method=method)
+        assert many.direction.tolist() == [1, -1] and [pattern[0] for pattern in many.pattern] == ["+", "-"], method
+    swept = ss.sweep(block, speed=speeds, duration=40.0, settle=20.0)
+    assert swept.direction.values.tolist() == [1, -1] and (abs(swept.mean_velocity.values) < 1e-9).all()
+
+
+def test_extremes_of_a_motion_that_has_not_settled_are_those_of_the_window():
+    """The judge keeps the ends of its steps beside 5000 samples of the last drive period, in which the push of the start is gone."""
+    many = ss.solve(ss.Chain.example(), periods=3, settle=0, method="dop853", keep="summary", start={"v": {"module 1": 0.2}})
+    assert many.steadiness != 0 and many.velocity_max[0] == 0.2
+
+
 def test_a_column_is_computed_once_and_no_earlier_than_it_is_read():
     asked = []
     columns = Columns({"margin": lambda: asked.append(1) or np.zeros(2)})

@@ -23,16 +23,12 @@ class CodedWords:
     >>> words = CodedWords(np.array([[0, 1], [1, 1]], np.uint8), ("rest", "II"))
     >>> np.asarray(words).tolist(), words.shape
     ([['rest', 'II'], ['II', 'II']], (2, 2))
+    >>> words[0].tolist(), words.where([[True, False], [True, True]], "unsolved")[0].tolist()
+    (['rest', 'II'], ['rest', 'unsolved'])
     """
 
     codes: Any
     table: tuple[str, ...]
-
-    @classmethod
-    def of(cls, words: Any) -> CodedWords:
-        """The codes and table of words given as text."""
-        table, codes = np.unique(words, return_inverse=True)
-        return cls(codes.reshape(np.shape(words)).astype(np.min_scalar_type(len(table))), tuple(table.tolist()))
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -42,6 +38,14 @@ class CodedWords:
     def reshape(self, shape: tuple[int, ...]) -> CodedWords:
         """The same words in another shape."""
         return CodedWords(self.codes.reshape(shape), self.table)
+
+    def where(self, kept: Any, other: str) -> CodedWords:
+        """These words where `kept`, and another one elsewhere."""
+        table = (*self.table, other)
+        return CodedWords(np.where(kept, self.codes, len(self.table)).astype(np.min_scalar_type(len(table))), table)
+
+    def __getitem__(self, index: Any) -> Any:
+        return np.asarray(self.table or ("",))[self.codes[index]]
 
     def joined(self, others: list[CodedWords]) -> CodedWords:
         """These words and others after them, along the first axis."""
@@ -56,5 +60,5 @@ class CodedWords:
         return CodedWords(codes, table)
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
-        words = np.array(self.table or ("",))[self.codes]
+        words = self[...]
         return words if dtype is None else words.astype(dtype)

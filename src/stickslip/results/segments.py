@@ -12,10 +12,11 @@ docs/quickstart.md and at `stickslip.analysis.Motion`; these are the rules:
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from stickslip.basics.coded_words import CodedWords
 from stickslip.basics.contracts import Array, ArrayLike
 
 _NONE = 9  # no interval
@@ -173,7 +174,7 @@ def type_of(
     dwell: float = 0.03,
     moving: ArrayLike = True,
     net_floor: ArrayLike = 0.0,
-) -> dict[str, Array]:
+) -> dict[str, Any]:
     """The motion type of many cases.
 
     Parameters
@@ -194,13 +195,14 @@ def type_of(
     Returns
     -------
     dict
-        motion_type, pattern (text), direction (+1, 0, -1), margin, stick_fraction, forward_fraction, backward_fraction. The margin is
-        `margin_force` or the length of the shortest interval, if that is less; of an elastic run it is how far it lasts from `dwell`.
+        motion_type, pattern (as `CodedWords`), direction (+1, 0, -1), margin, stick_fraction, forward_fraction, backward_fraction. The
+        margin is `margin_force` or the length of the shortest interval, if that is less; of an elastic run it is how far it lasts from
+        `dwell`.
 
     Examples
     --------
-    >>> told = type_of([4], [[0.39, 0.17, 0.22, 0.22]], [[2, 0, -2, 0]], [1], [np.inf], [1.0])
-    >>> str(told["motion_type"][0]), str(told["pattern"][0]), float(told["margin"][0])
+    >>> types = type_of([4], [[0.39, 0.17, 0.22, 0.22]], [[2, 0, -2, 0]], [1], [np.inf], [1.0])
+    >>> str(types["motion_type"][0]), str(types["pattern"][0]), float(types["margin"][0])
     ('I', '+0-0', 0.17)
     """
     count, net = np.asarray(seg_count), np.asarray(net, float)
@@ -208,11 +210,11 @@ def type_of(
     merged, patterns, which, nearest = _intervals(count, np.asarray(seg_time), codes, dwell)
     size = np.where(np.arange(codes.shape[1])[:, None] < count, abs(codes.T), 0)
     sliding, elastic = (size == 2).any(axis=0), (size == 1).any(axis=0)
-    motion_type = np.array([_TYPES.get(p, "other") for p in patterns], "<U10")[which]
-    motion_type[(np.asarray(period) > 1) | (count < 1)] = "other"
-    still = (count > 0) & ~sliding
-    motion_type[still] = np.where(elastic & np.asarray(moving), "presliding", "rest")[still]
-    pattern = np.where(still, "0", merged.pattern)
+    still, words = (count > 0) & ~sliding, tuple(dict.fromkeys(("other", "presliding", *_TYPES.values())))
+    motion_type = np.array([words.index(_TYPES.get(p, "other")) for p in patterns], np.int8)[which]
+    motion_type[(np.asarray(period) > 1) | (count < 1)] = words.index("other")
+    motion_type[still] = np.where(elastic & np.asarray(moving), words.index("presliding"), words.index("rest"))[still]
+    pattern = np.where(still, len(patterns), which).astype(np.min_scalar_type(len(patterns)))
     direction = np.where(still | ~(abs(net) > np.asarray(net_floor)), 0, np.sign(net)).astype(int)
     whole = _added(merged.length)
     fractions = {n: _added(np.where(merged.sign == s, merged.length, 0.0)) for n, s in (("stick", 0), ("forward", 1), ("backward", -1))}
@@ -221,4 +223,5 @@ def type_of(
     judged = (merged.sign != _NONE) & ((merged.sign != 0) | ~elastic[:, None])  # elastic rests are judged against dwell
     shortest = np.where(judged, merged.length, np.inf).T.min(axis=0, initial=np.inf)
     margin = np.where(whole > 0, np.minimum(np.minimum(shortest, nearest), margin_force), np.nan)
-    return {"motion_type": motion_type, "pattern": pattern, "direction": direction, "margin": margin, **shares}
+    coded = {"motion_type": CodedWords(motion_type, words), "pattern": CodedWords(pattern, (*patterns, "0"))}
+    return {**coded, "direction": direction, "margin": margin, **shares}

@@ -8,10 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.basics.contracts import Array, ArrayLike, Model, Numeric
-from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.normal_loads import normal_load
-from stickslip.models.position_dependence import knows_position
 from stickslip.models.state_layout import of_one_contact
 from stickslip.results import recurrence
 from stickslip.results.part_notes import APART
@@ -130,25 +127,19 @@ def mean_tolerance(method: str, rtol: float) -> float:
     return recurrence.STEADY if method == "exact" else max(recurrence.STEADY, float(rtol))
 
 
-def outcome_of(model: Model, strobe: ArrayLike, method: str, rtol: float) -> tuple[int, float]:
-    """Period number of a run (0: none) and the displacement in a drive period that it approaches [m]; see `recurrence.outcome`.
+def outcome_of(model: Model, x: Array, v: Array, z: Array, method: str, rtol: float) -> tuple[Any, int, float]:
+    """Way of the machine at the strobe points; after how many periods they repeat (0: not); the displacement per period approached [m].
 
-    `strobe` is (periods + 1, 1 + states): x, v, z. The start is left out: it is on no motion.
+    `x` and `v` are (periods + 1, bodies), `z` (periods + 1, contacts and controllers, states), NaN where one has fewer states than others.
+    The start counts for nothing but the way: it is on no motion. See `recurrence.outcome`.
     """
-    return _outcome(*_with_position(model, strobe), strobe_tolerance(method, rtol))
+    way, strobe, scales = _strobe_of(model, x, v, z)
+    return way, *_outcome(strobe, scales, strobe_tolerance(method, rtol))
 
 
 def repetition_of(run: Trajectory) -> tuple[Any, int, float]:
-    """Position at the strobe points, of several bodies that of their centre of mass; period number and displacement approached."""
-    way, strobe, scales = _strobe_of(run)
-    return way, *_outcome(strobe, scales, strobe_tolerance(run.method, run.rtol))
-
-
-def _with_position(model: Model, strobe: Any) -> tuple[Any, Any]:
-    """Strobe points with the position once more at their end, where the motion depends on it; and the scales of all but the first."""
-    matters = _position_matters(model, strobe[:, 0])
-    points = np.column_stack([strobe, *([strobe[:, 0]] if matters else [])])
-    return points, scales_of(model, strobe, matters)
+    """The same of a run with axes for its parts."""
+    return outcome_of(run.model, run.strobe_x, run.strobe_v, run._strobe_inner, run.method, run.rtol)
 
 
 def _outcome(strobe: ArrayLike, scales: Any, tolerance: float) -> tuple[int, float]:
@@ -158,29 +149,6 @@ def _outcome(strobe: ArrayLike, scales: Any, tolerance: float) -> tuple[int, flo
         return 0, float("inf")
     count = min(last, recurrence.KEPT - 1)
     return recurrence.outcome(points, last, count, recurrence.LONGEST, scales, tolerance, tolerance)
-
-
-def _position_matters(model: Any, x: Array) -> bool:
-    """Whether forces differ between the positions of a run; a spring without stiffness is in the equations, and holds nothing."""
-    if not knows_position(model):
-        return False
-    times = np.linspace(0.0, float(model.period or 1.0), 8, endpoint=False)
-    forces = [[(float(model.acceleration(t, at, 0.0, 0.0)), float(normal_load(model, t, at))) for t in times] for at in (*x[-4:], x[0])]
-    return bool(np.ptp(np.array(forces), axis=0).any())
-
-
-def scales_of(model: Model, strobe: Array, with_position: bool) -> Any:
-    """Sizes of v, of each inner state, and of x where the motion depends on it.
-
-    Of v: what the drive does to a body without friction. Of an inner state: the law's scale, or the largest value.
-    """
-    speed = float(machine_of(model).free_velocity)
-    typical = law_of(model).scale(normal_load(model, 0.0, 0.0))
-    inner = np.full(strobe.shape[1] - 2, np.nan) if typical is None else np.asarray(typical, float)
-    inner = np.where(np.isfinite(inner), inner, abs(strobe[:, 2:]).max(axis=0))
-    shift = [speed * float(model.period or 2 * np.pi) / (2 * np.pi)] if with_position else []
-    scales = np.concatenate([[speed], inner, shift])
-    return np.where(scales > 0, scales, 1.0)
 
 
 def unsettled_note(codes: ArrayLike, errors: ArrayLike) -> list[str]:
@@ -231,10 +199,8 @@ def steadiness_of_run(run: Trajectory) -> Steadiness:
         x = way_of_machine(run.model, run.at(np.array([first, last]))["x"])
         return Steadiness(UNKNOWN, 0, float((x[1] - x[0]) / (last - first)), float("nan"))
     t, T = run.strobe_times, run.period_time
-    x, strobe, scales = _strobe_of(run)
-    tolerance = mean_tolerance(run.method, run.rtol)
-    known = run.known_period
-    period, limit = (int(known), float("nan")) if known else _outcome(strobe, scales, strobe_tolerance(run.method, run.rtol))
+    tolerance, known = mean_tolerance(run.method, run.rtol), run.known_period
+    x, period, limit = (way_of_machine(run.model, run.strobe_x), int(known), float("nan")) if known else repetition_of(run)
     count = window_count(len(x) - 1, int(run.settle), period)
     mean = float((x[-1] - x[-1 - count]) / (t[-1] - t[-1 - count])) if count else float("nan")
     if known:
@@ -243,11 +209,14 @@ def steadiness_of_run(run: Trajectory) -> Steadiness:
     return Steadiness(code, period, mean, limit / T, _change(x, T), tolerance, _advice(run.model, x, int(run.settle), period, limit))
 
 
-def _strobe_of(run: Trajectory) -> tuple[Any, Any, Any]:
-    """Way of the body, or of the centre of mass; strobe points (periods + 1, 1 + what must repeat) that begin with it; their scales."""
-    model, z = run.model, run._strobe_inner
-    mechanics, speed = machine_of(model).mechanics, float(machine_of(model).free_velocity)
-    x, v = run.strobe_x, run.strobe_v
+def _strobe_of(model: Model, x: Array, v: Array, z: Array) -> tuple[Any, Any, Any]:
+    """Way of the machine; strobe points (periods + 1, 1 + what must repeat) that begin with it; the scales of all but the first.
+
+    Scales are of velocities what the drive does to a body without friction, of inner states the law's scale or the largest value, and of
+    positions, where motions depend on them, a period at such a velocity.
+    """
+    machine = machine_of(model)
+    mechanics, speed = machine.mechanics, float(machine.free_velocity)
     way = way_of_machine(model, x)
     apart = [x[:, 1:] - x[:, :1]] + ([way[:, None]] if _place_matters(mechanics, x) else [])
     inner = z.reshape(len(x), -1)

@@ -16,7 +16,8 @@ from stickslip.basics.contracts import Array
 from stickslip.results.summary import Summary
 from stickslip.solvers import set_valued as exact
 from stickslip.solvers.closed_arcs import Arcs, dimensionless_arcs
-from stickslip.solvers.gather import NEEDED
+from stickslip.solvers.gather import OF_CASES
+from stickslip.solvers.part_results import OF_ONE_CONTACT
 from stickslip.solvers.settings import Request
 
 TOLERANCE = 1e-13  # of 1 + |w|: how well a strobe point must come back (rounding of half a dozen arcs)
@@ -109,7 +110,7 @@ def _wait_for(raw: dict[str, Array], hard: Array, todo: Request) -> None:
     solved, arcs = exact.solve_batch(model, todo.periods, "auto", None, todo.workers), dimensionless_arcs(model)
     solved["seg_time"] = solved["seg_time"] * arcs.period[:, None]
     solved |= ways_from(solved, arcs, todo.workers)
-    for name in (*NEEDED, *_WAYS):
+    for name in (*OF_CASES, *OF_ONE_CONTACT, *_WAYS):
         raw[name][hard] = solved[name]
 
 

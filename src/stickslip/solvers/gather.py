@@ -18,7 +18,7 @@ from stickslip.basics.status import ENDS, STATUS, Status, interrupted_at
 from stickslip.results.steadiness import STEADY, UNKNOWN, mean_tolerance, steadiness_codes
 from stickslip.results.summary import Columns, Summary
 from stickslip.results.trajectory import Trajectory
-from stickslip.solvers.part_results import OF_TYPE, RawParts, columns_of_parts, of_own_parts, per_case, typed_contacts
+from stickslip.solvers.part_results import RawParts, columns_of_parts, of_own_parts, per_case
 from stickslip.solvers.request import provenance
 from stickslip.solvers.settings import Request
 from stickslip.solvers.stopped import FAILURES, remedy as remedy_of
@@ -33,24 +33,14 @@ class RawResults:
     period: Any  # period number, 0 if none
     periods_run: Any
     status: Any
-    v_max: Any
-    v_min: Any
-    seg_count: Any
-    seg_time: Any  # [s]
-    seg_code: Any
-    margin_force: Any
     limit: Any  # displacement in a drive period that the motion approaches [m], see stickslip.results.recurrence
-    wide_max: Any  # extremes of v over the whole window of the displacement [m/s]
-    wide_min: Any
-    friction_power: Any = None  # [W] over the last motion period, where the solver measures it
-    parts: RawParts | None = None  # of a machine that lists its bodies: it has no velocity and no segments of its own
+    parts: RawParts
     observed: dict[str, Any] | None = None  # a user's own columns
     failures: dict[int, str] | None = None  # where and why the first cases ended before their time
 
 
-#: What every batch solver must find.
-NEEDED = tuple(f.name for f in fields(RawResults) if f.default is MISSING)
-
+#: Numbers of the cases themselves.
+OF_CASES = tuple(f.name for f in fields(RawResults) if f.default is MISSING and f.name != "parts")
 
 #: Places for segments, of all cases, up to which columns are computed when they are read: until then a summary holds all raw results.
 _LATER = 1 << 18
@@ -68,7 +58,7 @@ def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], Ra
         made = _Cases(todo, raw, T[first:last], slice(first, last), tolerance).columns
         if (first, last) == (0, cases):
             later = Columns({name: partial(_shaped, make, shape) for name, make in made.items()})
-            return _summary(todo, method, later if raw.seg_time.size <= _LATER else dict(later), failures)
+            return _summary(todo, method, later if raw.parts.seg_time.size <= _LATER else dict(later), failures)
         for name, make in made.items():
             values = make()
             if isinstance(values, CodedWords):
@@ -108,7 +98,7 @@ class _Cases:
     def columns(self) -> dict[str, Callable[[], Any]]:
         """Functions that compute each column, by name."""
         raw = self.raw
-        of_parts = self._of_one if raw.parts is None else of_own_parts(columns_of_parts(self), self.machine)
+        of_parts = of_own_parts(columns_of_parts(self), self.machine)
         power = of_parts.pop("friction_power", None)
         return {
             "mean_velocity": lambda: self.velocity,
@@ -122,17 +112,6 @@ class _Cases:
             "status": lambda: raw.status,
             **{name: partial(self.known, values) for name, values in (raw.observed or {}).items()},
         }
-
-    @property
-    def _of_one(self) -> dict[str, Callable[[], Any]]:
-        """Columns about the velocity and the contact of the only body."""
-        raw = self.raw
-        columns: dict[str, Callable[[], Any]] = {name: partial(lambda name: self.type[name], name) for name in OF_TYPE}
-        columns["velocity_max"] = lambda: self.extreme(raw.v_max, raw.wide_max, np.maximum)
-        columns["velocity_min"] = lambda: self.extreme(raw.v_min, raw.wide_min, np.minimum)
-        if raw.friction_power is not None:
-            columns["friction_power"] = lambda: self.known(raw.friction_power)
-        return columns
 
     def known(self, values: Array) -> Any:
         """Values of the cases, or of their parts, where a case was solved."""
@@ -172,14 +151,6 @@ class _Cases:
     def lasting(self) -> Any:
         """Where the last motion period says all; elsewhere the extremes are those of the window of the mean."""
         return self.steadiness == STEADY
-
-    @cached_property
-    def type(self) -> dict[str, Any]:
-        raw = self.raw
-        seg, extremes = (raw.seg_count, raw.seg_time, raw.seg_code), (raw.v_max, raw.v_min)
-        return typed_contacts(
-            seg, self.T, raw.period, raw.margin_force, raw.displacement, extremes, raw.window, self.dwell, self.rtol, self.good
-        )
 
 
 def trajectory(todo: Request, method: str, pieces: Any, counts: dict[str, Any], status: int = 0) -> Trajectory:

@@ -172,7 +172,7 @@ def _parts(todo: Request) -> Iterator[tuple[tuple[int, int], RawResults]]:
     for i in range(todo.cases):
         (model,) = cases_of(todo.model, slice(i, i + 1))
         solved = strobes.case_or_nothing(partial(_reduced, todo, model, i, nothing), nothing, todo.partial)
-        yield (i, i + 1), strobes.raw([solved])
+        yield (i, i + 1), strobes.raw(solved)
         todo.progress(i + 1, todo.cases)
 
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from functools import cache, partial
 from typing import Any
 
 import numpy as np
 
-from stickslip.basics.coded_words import CodedWords
 from stickslip.basics.contracts import Array
 from stickslip.basics.variables import VARIABLES
 from stickslip.models.machine_adapter import MachineAdapter
@@ -20,6 +19,10 @@ _OF_EACH_BODY = ("body_velocity", "body_displacement")
 OF_SEVERAL = (*_OF_EACH_BODY, "slip_max", "slip_min", "hits", "impulse_max", "stop_force_max")
 #: Columns about the motion type of a contact.
 OF_TYPE = ("motion_type", "pattern", "direction", *(_FRACTIONS := ("margin", "stick_fraction", "forward_fraction", "backward_fraction")))
+
+
+def _no_stops() -> Array:
+    return np.empty((0, 0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,39 +36,34 @@ class RawParts:
     wide_min: Array
     slip_max: Array  # (cases, contacts)
     slip_min: Array
-    slipped: Array  # (cases, contacts): integral of the slip velocity [m]
-    friction_work: Array  # (cases, contacts) [J]
+    slipped: Array  # (cases, contacts): integral of the slip velocity over `slipped_over` [m]
+    slipped_over: Array  # (cases,) [drive periods]
     seg_count: Array  # (cases, contacts)
     seg_time: Array  # (cases, contacts, segments) [s]
     seg_code: Array
-    margin_force: float
-    hits: Array  # (cases, stops): how often they are hit, or begin to be pressed
-    impulse_max: Array  # (cases, stops) [N s]; NaN of an elastic one
-    stop_force_max: Array  # (cases, stops) [N]; NaN of one with restitution
+    margin_force: Array  # (cases, contacts)
+    friction_power: Array | None = None  # (cases, contacts) [W]; None where it is not measured
+    hits: Array = field(default_factory=_no_stops)  # (cases, stops): how often they are hit, or begin to be pressed
+    impulse_max: Array = field(default_factory=_no_stops)  # (cases, stops) [N s]; NaN of an elastic one
+    stop_force_max: Array = field(default_factory=_no_stops)  # (cases, stops) [N]; NaN of one with restitution
 
 
-def typed_contacts(
-    seg: tuple[Array, Array, Array],
-    T: Array,
-    period: Array,
-    margin_force: Any,
-    net: Array,
-    extremes: tuple[Array, Array],
-    spans: Array,
-    dwell: float,
-    rtol: float,
-    good: Array,
-) -> dict[str, Array]:
-    """Motion types of contacts, one for each case, with all that goes with them.
+#: What solvers that know one body on one contact alone find of these, by name, with one number for each case.
+OF_ONE_CONTACT = ("v_max", "v_min", "wide_max", "wide_min", "seg_count", "seg_time", "seg_code", "margin_force")
 
-    `spans` is over how many drive periods `net` [m] is, `rtol` the part of the largest velocity below which net motion has no direction.
+
+def parts_of_one(raw: Mapping[str, Any], rest: Any, T: Any) -> RawParts:
+    """The parts of cases of one body on one contact, from arrays by the names of `OF_ONE_CONTACT`, displacement and window.
+
+    `rest` is the velocity at which the contact does not slip [m/s], such as that of a belt; `T` the length of a drive period [s].
     """
-    count, time, code = seg
-    highest, lowest = extremes
-    floor = max(1e-12, rtol) * abs(np.maximum(highest, -lowest)) * T * spans
-    types = type_of(count, time / T[:, None], code, period, margin_force, net, dwell, (highest > 0) | (lowest < 0), floor)
-    types["motion_type"] = np.where(good, types["motion_type"], "unsolved")
-    return types | {name: np.where(good, types[name], np.nan) for name in _FRACTIONS}
+    of_contact = {name: np.asarray(raw[name])[:, None] for name in OF_ONE_CONTACT}
+    displacement, window = np.asarray(raw["displacement"]), np.asarray(raw["window"])
+    slipped = displacement - rest * window * T
+    highest, lowest = (of_contact[name] - np.reshape(rest, (-1, 1)) for name in ("v_max", "v_min"))
+    return RawParts(
+        **of_contact, displacement=displacement[:, None], slip_max=highest, slip_min=lowest, slipped=slipped[:, None], slipped_over=window,
+    )  # fmt: skip
 
 
 def per_case(few: Array, values: Array) -> Array:
@@ -90,16 +88,18 @@ def columns_of_parts(cases: Any) -> dict[str, Callable[[], Any]]:
         "velocity_min": lambda: cases.extreme(raw.v_min, raw.wide_min, np.minimum),
         "slip_max": lambda: cases.known(raw.slip_max),
         "slip_min": lambda: cases.known(raw.slip_min),
-        "friction_power": lambda: cases.known(raw.friction_work / (cases.T * np.maximum(cases.raw.period, 1))[:, None]),
+        "friction_power": lambda: cases.known(raw.friction_power),
         "impulse_max": lambda: cases.known(raw.impulse_max),
         "stop_force_max": lambda: cases.known(raw.stop_force_max),
         "hits": lambda: np.where(cases.good[:, None] & np.isfinite(raw.hits), raw.hits, -1).astype(np.int32),
     }
+    if raw.friction_power is None:
+        del columns["friction_power"]
     return {name: make for name, make in columns.items() if counts[_dim(name)] > 0}
 
 
 def _types(cases: Any, raw: RawParts) -> dict[str, Any]:
-    """The columns about the motion type of each contact."""
+    """The columns about the motion type of each contact. Net motion below a part of the largest slip velocity has no direction."""
     contacts = raw.seg_count.shape[1]
 
     def of_each(values: Array) -> Array:
@@ -108,12 +108,14 @@ def _types(cases: Any, raw: RawParts) -> dict[str, Any]:
     def flat(values: Array) -> Array:
         return values.reshape(-1, *values.shape[2:])
 
-    seg, spans = (flat(raw.seg_count), flat(raw.seg_time), flat(raw.seg_code)), of_each(np.maximum(cases.raw.period, 1))
-    types: dict[str, Any] = typed_contacts(
-        seg, of_each(cases.T), of_each(cases.raw.period), raw.margin_force, flat(raw.slipped), (flat(raw.slip_max), flat(raw.slip_min)),
-        spans, cases.dwell, cases.rtol, of_each(cases.good),
+    T, good, highest, lowest = of_each(cases.T), of_each(cases.good), flat(raw.slip_max), flat(raw.slip_min)
+    floor = max(1e-12, cases.rtol) * abs(np.maximum(highest, -lowest)) * T * of_each(raw.slipped_over)
+    types = type_of(
+        flat(raw.seg_count), flat(raw.seg_time) / T[:, None], flat(raw.seg_code), of_each(cases.raw.period), flat(raw.margin_force),
+        flat(raw.slipped), cases.dwell, (highest > 0) | (lowest < 0), floor,
     )  # fmt: skip
-    types |= {name: CodedWords.of(types[name]) for name in ("motion_type", "pattern")} | {"direction": types["direction"].astype(np.int8)}
+    types["motion_type"] = types["motion_type"].where(good, "unsolved")
+    types |= {name: np.where(good, types[name], np.nan) for name in _FRACTIONS}
     return {name: values.reshape((len(cases.T), contacts)) for name, values in types.items()}
 
 
@@ -140,11 +142,12 @@ def _dim(name: str) -> str:
 def nothing(bodies: int, contacts: int, stops: int) -> RawParts:
     """Of a case that could not be solved."""
     sizes = {name: bodies for name in ("displacement", "v_max", "v_min", "wide_max", "wide_min")}
-    sizes |= dict.fromkeys(("slip_max", "slip_min", "slipped", "friction_work"), contacts)
+    sizes |= dict.fromkeys(("slip_max", "slip_min", "slipped", "friction_power"), contacts)
     sizes |= dict.fromkeys(("hits", "impulse_max", "stop_force_max"), stops)
     segments = {
         "seg_count": np.zeros((1, contacts), int),
         "seg_time": np.zeros((1, contacts, 1)),
         "seg_code": np.zeros((1, contacts, 1), np.int8),
+        "margin_force": np.full((1, contacts), np.inf),
     }
-    return RawParts(**{name: np.full((1, size), np.nan) for name, size in sizes.items()}, **segments, margin_force=np.inf)
+    return RawParts(**{name: np.full((1, size), np.nan) for name, size in sizes.items()}, **segments, slipped_over=np.ones(1))

@@ -19,13 +19,17 @@ from stickslip.basics.interruption import is_stopped, look
 from stickslip.basics.pool import handed_out
 from stickslip.basics.status import Status
 from stickslip.engine import fixed_steps as engine
+from stickslip.engine.kernels.columns import SEGS as SEGMENTS
 from stickslip.models.friction.law_adapter import law_of
+from stickslip.models.machine_adapter import machine_of
+from stickslip.models.mechanics import rest_velocity
 from stickslip.results.dense_output import PolynomialPieces
 from stickslip.results.steadiness import is_steady, outcome_of
 from stickslip.results.summary import Summary
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import strobes
 from stickslip.solvers.gather import RawResults, gather, trajectory
+from stickslip.solvers.part_results import OF_ONE_CONTACT, parts_of_one
 from stickslip.solvers.settings import Request
 from stickslip.solvers.time_dependence import check_period
 
@@ -196,18 +200,27 @@ def _shifted(c: Any, part: Any) -> Any:
 
 
 # ---- batches ----
+#: Results of a case that could not be solved.
+_NOTHING: dict[str, Any] = strobes.NOTHING | {
+    **dict.fromkeys(("v_min", "v_max", "wide_min", "wide_max"), np.nan),
+    "seg_count": 0, "seg_time": np.zeros(SEGMENTS), "seg_code": np.zeros(SEGMENTS, np.int8), "margin_force": np.inf,
+}  # fmt: skip
+
+
 def _parts(todo: Request, kernel: engine.FixedStepKernel, rows: Any, steps: int) -> Iterator[tuple[tuple[int, int], RawResults]]:
     """Raw results case by case; the compiled loop lets go of the lock, so threads help."""
 
     def work(i: int) -> dict[str, Any]:
         model = with_row(todo.model, kernel.names, rows[i])
         march = _March(model, kernel, rows[i], todo.start[i], steps, thinned=False)
-        result = strobes.case_or_nothing(lambda: _summary(todo, march), strobes.NOTHING, todo.partial)
+        result = strobes.case_or_nothing(lambda: _summary(todo, march), _NOTHING, todo.partial)
+        of_one = {name: np.array([result[name]]) for name in (*OF_ONE_CONTACT, "displacement", "window")}
+        result["parts"] = parts_of_one(of_one, rest_velocity(model), np.array([float(model.period)]))
         todo.progress(i + 1, len(rows))
         return result
 
     for i, result in handed_out(work, range(len(rows)), todo.workers, all_parts=todo.partial):
-        yield (i, i + 1), strobes.raw([result])
+        yield (i, i + 1), strobes.raw(result)
 
 
 def _summary(todo: Request, march: _March) -> dict[str, Any]:
@@ -219,10 +232,10 @@ def _summary(todo: Request, march: _March) -> dict[str, Any]:
         asked += count
         if march.done < asked:
             failure = _message(todo, march, march.steps)
-            return {**strobes.NOTHING, "status": Status.NOT_A_NUMBER, "periods_run": march.done, "failure": failure}
-        period, limit = outcome_of(march.model, march.strobes, todo.method, todo.rtol)
+            return {**_NOTHING, "status": Status.NOT_A_NUMBER, "periods_run": march.done, "failure": failure}
+        way, period, limit = _repetition(todo, march)
         repeats = todo.auto and period > 0  # the mean is then over one motion period, if it is that of the steady motion
-        results = strobes.over_window(march.strobes[:, 0], march.done - period if repeats else todo.settle, period, limit)
+        results = strobes.over_window(way, march.done - period if repeats else todo.settle, period, limit)
         if repeats and is_steady(march.model, results, todo.method, todo.rtol):
             break
     done, wide = march.done, march.extremes
@@ -232,8 +245,14 @@ def _summary(todo: Request, march: _March) -> dict[str, Any]:
         "v_min": march.extremes[0], "v_max": march.extremes[1],
         "wide_min": min(wide[0], march.extremes[0]), "wide_max": max(wide[1], march.extremes[1]),
         "seg_count": count, "seg_time": seg_time, "seg_code": seg_code,
-        "margin_force": strobes.margin_force(march.model),
+        "margin_force": strobes.margin_forces(machine_of(march.model))[0],
     }  # fmt: skip
+
+
+def _repetition(todo: Request, march: _March) -> tuple[Any, int, float]:
+    """The way at the strobe points, after how many of them the motion repeats, and the displacement in a period that it approaches."""
+    x, v, z = march.strobes[:, :1], march.strobes[:, 1:2], march.strobes[:, None, 2:]
+    return outcome_of(march.model, x, v, z, todo.method, todo.rtol)
 
 
 def _blocks(todo: Request) -> list[int]:

@@ -11,19 +11,21 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.batch import labels_of
+from stickslip.basics.batch import labels_of, spread_over_cases
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import SolveError
 from stickslip.basics.interruption import is_stopped, look, takes_some_cases
 from stickslip.basics.pool import handed_out
 from stickslip.basics.status import Status
 from stickslip.engine.kernels.columns import SEGS as SEGMENTS
+from stickslip.models.mechanics import rest_velocity
 from stickslip.results.dense_output import HarmonicArcs
 from stickslip.results.summary import Summary
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import undriven
 from stickslip.solvers.closed_arcs import Arcs, dimensionless_arcs
-from stickslip.solvers.gather import NEEDED, RawResults, gather, trajectory
+from stickslip.solvers.gather import OF_CASES, RawResults, gather, trajectory
+from stickslip.solvers.part_results import parts_of_one
 from stickslip.solvers.settings import Request
 
 Progress = Callable[[int, int], None]  # cases done, cases
@@ -65,7 +67,8 @@ def raw_batch(todo: Request) -> dict[str, Array]:
 
 def summary_of(todo: Request, raw: dict[str, Any]) -> Summary:
     """A summary from raw results."""
-    return gather(todo, "exact", [((0, todo.cases), RawResults(**{name: raw[name] for name in NEEDED}))])
+    parts = parts_of_one(raw, spread_over_cases(rest_velocity(todo.model), todo.labels), todo.span)
+    return gather(todo, "exact", [((0, todo.cases), RawResults(**{name: raw[name] for name in OF_CASES}, parts=parts))])
 
 
 def _kernel() -> Any:

@@ -149,14 +149,11 @@ def _bounds(cases: int, workers: int) -> list[tuple[int, int]]:
 
 
 def _raw(todo: Request, r: lanes.Results, kernel: lanes.Kernel, table: CaseTable) -> RawResults:
-    offset, carried = table.offsets[:, 0], table.carried * table.span
-    first = r.seg_count[:, 0] if kernel.contacts else np.zeros(len(r.status), int)  # segments of the first contact, if there is one
-    of_parts = None if r.parts is None else _raw_parts(r, kernel, table.offsets, carried * r.window)
+    carried = table.carried * table.span
     return RawResults(
         displacement=r.displacement + carried * r.window, window=r.window, period=r.period, periods_run=r.periods_run, status=r.status,
-        v_max=r.v_max + offset, v_min=r.v_min + offset, seg_count=first, seg_time=r.seg_time, seg_code=r.seg_code,
-        margin_force=np.full(len(r.status), np.inf), limit=r.limit + carried,
-        wide_max=r.wide_max + offset, wide_min=r.wide_min + offset, friction_power=r.friction_power, parts=of_parts,
+        limit=r.limit + carried,
+        parts=_raw_contact(r, table) if r.parts is None else _raw_parts(r, kernel, table, carried * r.window),
         observed={name: _reduced(r, each.reduce, f"u.{name}", table.span) for name, each in todo.observe},
         failures=_failures(todo, r, kernel, table),
     )  # fmt: skip
@@ -169,9 +166,22 @@ def _reduced(r: lanes.Results, reduce: str, signal: str, span: Numeric) -> Any:
     return values / (span * np.maximum(r.period, 1)) if reduce == "mean" else values
 
 
-def _raw_parts(r: lanes.Results, kernel: lanes.Kernel, offsets: Any, carried: Any) -> RawParts:
+def _raw_contact(r: lanes.Results, table: CaseTable) -> RawParts:
+    """Results of lanes for one body on one contact, of which no signals are noted: what they keep of its slip velocity."""
+    rest, way, slip_max, slip_min = table.offsets, r.displacement[:, None], r.v_max[:, None], r.v_min[:, None]
+    part = (r.window * table.span)[:, None]
+    return RawParts(
+        displacement=way + table.carried[:, None] * part, v_max=slip_max + rest, v_min=slip_min + rest,
+        wide_max=r.wide_max[:, None] + rest, wide_min=r.wide_min[:, None] + rest, slip_max=slip_max, slip_min=slip_min,
+        slipped=way + (table.carried[:, None] - rest) * part, slipped_over=r.window,
+        seg_count=r.seg_count[:, :1], seg_time=r.seg_time[:, None], seg_code=r.seg_code[:, None],
+        margin_force=np.full((len(way), 1), np.inf), friction_power=r.friction_power[:, None],
+    )  # fmt: skip
+
+
+def _raw_parts(r: lanes.Results, kernel: lanes.Kernel, table: CaseTable, carried: Any) -> RawParts:
     """Results of lanes for each body, contact and stop, by the names of their signals."""
-    parts = r.parts
+    parts, offsets, periods = r.parts, table.offsets, np.maximum(r.period, 1)
     assert parts is not None
 
     def stacked(letters: str, which: int) -> Any:
@@ -186,8 +196,9 @@ def _raw_parts(r: lanes.Results, kernel: lanes.Kernel, offsets: Any, carried: An
     return RawParts(
         displacement=parts.moved[:, list(kernel.bodies)] + carried[:, None],
         v_max=stacked("v", 1), v_min=stacked("v", 2), wide_max=parts.wide_max + difference, wide_min=parts.wide_min + difference,
-        slip_max=stacked("w", 1), slip_min=stacked("w", 2), slipped=stacked("w", 0), friction_work=stacked("P", 0),
-        seg_count=r.seg_count, seg_time=r.seg_time.reshape(shape), seg_code=r.seg_code.reshape(shape), margin_force=np.inf,
+        slip_max=stacked("w", 1), slip_min=stacked("w", 2), slipped=stacked("w", 0), slipped_over=periods,
+        seg_count=r.seg_count, seg_time=r.seg_time.reshape(shape), seg_code=r.seg_code.reshape(shape),
+        margin_force=np.full(shape[:2], np.inf), friction_power=stacked("P", 0) / (table.span * periods)[:, None],
         hits=np.stack(list(stops.values()), axis=1) if stops else np.empty((len(r.status), 0)),
         impulse_max=stacked("JF", 1), stop_force_max=stacked("FJ", 1),
     )  # fmt: skip

@@ -13,17 +13,14 @@ from stickslip.basics.status import Status
 from stickslip.engine.kernels.columns import SEGS as SEGMENTS
 from stickslip.models.forces import slip_ratio as slip_ratio_of
 from stickslip.models.friction.law_adapter import law_of
+from stickslip.models.machine_adapter import MachineAdapter
 from stickslip.models.normal_loads import normal_load
 from stickslip.results.steadiness import window_count
-from stickslip.solvers.gather import NEEDED, RawResults
+from stickslip.solvers.gather import OF_CASES, RawResults
 
 _LOOKS = 5000  # in a drive period
-#: Results of a case that could not be solved.
-NOTHING: dict[str, Any] = {
-    "displacement": np.nan, "window": 1.0, "period": 0, "limit": np.nan, "periods_run": 0, "status": 4, "v_min": np.nan, "v_max": np.nan,
-    "wide_min": np.nan, "wide_max": np.nan,
-    "seg_count": 0, "seg_time": np.zeros(SEGMENTS), "seg_code": np.zeros(SEGMENTS, np.int8), "margin_force": np.inf,
-}  # fmt: skip
+#: Results of a case that could not be solved, but for its parts.
+NOTHING: dict[str, Any] = {"displacement": np.nan, "window": 1.0, "period": 0, "limit": np.nan, "periods_run": 0, "status": 4}
 
 
 def case_or_nothing(work: Callable[[], dict[str, Any]], nothing: dict[str, Any], partial: bool) -> dict[str, Any]:
@@ -58,9 +55,9 @@ def strobe_samples(end: float, periods: int, T: float) -> Any:
     return end - periods * T * (1 - (np.arange(count) + 0.5) / count)
 
 
-def margin_force(model: Model) -> float:
-    """Nothing these methods measure: without meaning for a dynamic law, not known for a set-valued one."""
-    return float("inf" if law_of(model).dynamic else "nan")
+def margin_forces(machine: MachineAdapter) -> Array:
+    """Of each contact nothing that these methods measure: without meaning for a dynamic law, not known for a set-valued one."""
+    return np.array([np.inf if law.dynamic else np.nan for law in machine.laws])
 
 
 def segments_of(durations: Any, codes: Array) -> tuple[int, Any, Any]:
@@ -74,8 +71,7 @@ def segments_of(durations: Any, codes: Array) -> tuple[int, Any, Any]:
     return len(starts), seg_time, seg_code
 
 
-def raw(cases: list[dict[str, Any]]) -> RawResults:
-    """The results of several cases, each a dict by the names of `RawResults`, as one; "failure" says where and why one ended too early."""
-    columns: dict[str, Any] = {name: np.array([case[name] for case in cases]) for name in NEEDED}
-    failures = {i: case["failure"] for i, case in enumerate(cases) if "failure" in case}
-    return RawResults(**columns, parts=cases[0].get("parts") if len(cases) == 1 else None, failures=failures)
+def raw(case: dict[str, Any]) -> RawResults:
+    """The results of one case, by the names of `RawResults`; "failure" says where and why it ended too early."""
+    columns: dict[str, Any] = {name: np.array([case[name]]) for name in OF_CASES}
+    return RawResults(**columns, parts=case["parts"], failures={0: case["failure"]} if "failure" in case else {})

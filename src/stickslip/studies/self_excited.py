@@ -15,7 +15,6 @@ from stickslip.basics.errors import InputError, Problems, StickslipError
 from stickslip.basics.interruption import look
 from stickslip.basics.status import Status
 from stickslip.basics.typed_numbers import in_seconds
-from stickslip.models.machine_adapter import machine_of
 from stickslip.studies.models_of_points import starts_at
 
 #: Columns that only cycles of models without a period have.
@@ -61,18 +60,18 @@ def motion_columns(robot: Model, start: dict[str, Any], options: dict[str, Any],
             lacking: Any = {"pattern": "", "motion_type": "unsolved"}.get(name, np.nan)
             if names:
                 columns[name] = np.array([[lacking if m is None else value(m, each) for each in names] for m in motions])
-    columns["direction"] = _directions(columns, not machine_of(robot).names_parts)
+    columns["direction"] = _directions(columns)
     return columns
 
 
-def _directions(columns: dict[str, Array], single: bool) -> Array:
-    """Of each contact +1 or -1 where it slips one way only, else as the machine moves on; of one body always as that moves on."""
+def _directions(columns: dict[str, Array]) -> Array:
+    """Of each contact +1 or -1 where it slips one way only, else as the machine moves on."""
     if "forward_fraction" not in columns:
         return np.zeros((len(columns["period"]), 0), "i1")
     V, swing = columns["mean_velocity"], np.max(columns["velocity_max"] - columns["velocity_min"], axis=1)
     net = np.where(abs(V) > _STILL * swing, np.sign(np.nan_to_num(V)), 0.0)[:, None]
     ahead, back = columns["forward_fraction"] > 0, columns["backward_fraction"] > 0
-    return np.where(single | (ahead == back), net, np.where(ahead, 1.0, -1.0)).astype("i1")
+    return np.where(ahead == back, net, np.where(ahead, 1.0, -1.0)).astype("i1")
 
 
 def _motion(case: Any, start: dict[str, Any], options: dict[str, Any], settle: float) -> Oscillation | None:

@@ -106,7 +106,7 @@ def test_an_elastic_stop_has_its_greatest_force_and_is_counted():
 def test_judge_and_lanes_say_the_same_of_every_part():
     """The judge samples 5000 instants of a period: peaks to (pi / 5000)^2, and ends of segments to a sample each."""
     few = ss.Chain.example().replace({"phases.1": [0.5, 1.0]})
-    ours, judged = (ss.solve(few, periods=6, keep="summary", method=method) for method in ("auto", "dop853"))
+    ours, judged = (ss.solve(few, periods=6, settle=5, keep="summary", method=method) for method in ("auto", "dop853"))
     assert (ours.motion_type == judged.motion_type).all() and (ours.pattern == judged.pattern).all()
     for name, within in (("velocity_max", 1e-5), ("slip_min", 1e-5), ("stick_fraction", 1e-3), ("body_velocity", 1e-6)):
         size = float(machine_of(ss.Chain.example()).velocity_scale) if name != "stick_fraction" else 1.0
@@ -236,9 +236,11 @@ def test_a_refined_map_follows_the_motion_of_every_contact():
 
 def test_coded_words_are_their_words():
     words = np.array([["I", "rest"], ["II", "I"]])
-    coded = CodedWords.of(words)
-    assert (np.asarray(coded) == words).all() and coded.codes.dtype == np.uint8
-    assert (np.asarray(coded.joined([CodedWords.of(np.array([["IV", "rest"]]))])) == np.array([*words, ["IV", "rest"]])).all()
+    coded = CodedWords(np.array([[0, 1], [2, 0]], np.uint8), ("I", "rest", "II"))
+    assert (np.asarray(coded) == words).all() and (coded[1] == words[1]).all()
+    more = coded.joined([CodedWords(np.array([[1, 0]], np.uint8), ("rest", "IV"))])
+    assert (np.asarray(more) == np.array([*words, ["IV", "rest"]])).all() and more.codes.dtype == np.uint8
+    assert np.asarray(coded.where(words != "I", "unsolved")).tolist() == [["unsolved", "rest"], ["II", "unsolved"]]
 
 
 # ---- many ----

@@ -48,8 +48,6 @@ def _case(todo: Request, i: int) -> Any:
 
 def _nothing(model: Model) -> dict[str, Any]:
     """Results of a case that could not be solved."""
-    if machine_of(model).one_body is not None:
-        return dict(strobes.NOTHING)
     m = machine_of(model).mechanics
     return {**strobes.NOTHING, "parts": no_parts(len(m.bodies), len(m.contacts), len(m.named_stops))}
 
@@ -59,7 +57,7 @@ def _parts(todo: Request) -> Iterator[tuple[tuple[int, int], RawResults]]:
     for i in range(todo.cases):
         model = _case(todo, i)
         solved = strobes.case_or_nothing(partial(_solved, todo, model, i), _nothing(model), todo.partial)
-        yield (i, i + 1), strobes.raw([solved])
+        yield (i, i + 1), strobes.raw(solved)
         todo.progress(i + 1, todo.cases)
 
 

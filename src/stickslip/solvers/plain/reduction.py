@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -10,86 +11,62 @@ from stickslip.basics.contracts import Array, Model
 from stickslip.models.forces import slip_ratio
 from stickslip.models.machine_adapter import machine_of
 from stickslip.results.pieces import DensePieces
-from stickslip.results.steadiness import outcome_of, repetition_of, window_count
+from stickslip.results.steadiness import repetition_of, way_of_machine
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import strobes
 from stickslip.solvers.part_results import RawParts
 from stickslip.solvers.settings import Request
 
+_AT_ONCE = 1 << 20  # velocities
+
 
 def reduced(todo: Request, model: Model, pieces: DensePieces, case: int) -> dict[str, Any]:
-    """Raw results of one case."""
-    T = float(todo.span[case])
-    run = Trajectory(model, pieces, todo.periods, todo.settle, todo.rtol, todo.method)
-    if machine_of(model).one_body is None:
-        return _of_parts(todo, run.with_axes)
-    strobe = _strobe(run)
-    period, limit = outcome_of(model, strobe, todo.method, todo.rtol)
-    settle = todo.periods - period if todo.auto and period else todo.settle
-    results = strobes.over_window(strobe[:, 0], settle, period, limit)
-    t = strobes.strobe_samples(pieces.t[-1], period or 1, T)
-    index = run._index(t)
-    x, v, z = (of[:, 0] for of in run._states_at(t, index))
-    mode, memory = run.pieces.mode[index, 0].astype(int), tuple(pieces.memory[index].T)
-    codes = strobes.codes_of(model, v, z, mode, todo.slip_ratio, t, x, memory)
-    number, seg_time, seg_code = strobes.segments_of(np.full(len(t), (period or 1) * T / len(t)), codes)
-    return {
-        **results, "periods_run": todo.periods, "status": 0,
-        "v_min": v.min(), "v_max": v.max(), **_wide(run, T * results["window"], v),
-        "seg_count": number, "seg_time": seg_time, "seg_code": seg_code, "margin_force": strobes.margin_force(model),
-    }  # fmt: skip
-
-
-def _wide(run: Trajectory, window: float, last: Any) -> dict[str, float]:
-    """Extremes over the window, at the ends of the pieces in it, and of the last motion period."""
-    t = run.pieces.t
-    index = np.flatnonzero(t[:-1] >= t[-1] - window * (1 + 1e-12))
-    v = np.concatenate([last, run._states_at(t[index], index)[1][:, 0]])
-    return {"wide_min": v.min(), "wide_max": v.max()}
-
-
-def _strobe(run: Trajectory) -> Any:
-    """States at the borders of the periods, or at both ends of a run that has none."""
-    if run.model.period is None:
-        states = run._states_at(run.pieces.t[[0, -1]], np.array([0, len(run.pieces.mode) - 1]))
-        return np.column_stack([of[:, 0] for of in states])
-    return np.column_stack([run.strobe_x, run.strobe_v, *([] if run.strobe_z is None else [run.strobe_z])])
-
-
-def _of_parts(todo: Request, run: Trajectory) -> dict[str, Any]:
     """Raw results of one case; what is of bodies, contacts and stops is sampled over the last motion period."""
-    way, period, limit = (np.zeros(2), 0, np.nan) if run.model.period is None else repetition_of(run)
-    settle = todo.periods - period if todo.auto and period else todo.settle
-    if run.model.period is None:
-        x = run.at(run.pieces.t[[0, -1]])["x"]
-        results = {**strobes.NOTHING, "displacement": run.steadiness.mean_velocity * float(np.ptp(run.pieces.t[[0, -1]])), "window": 1.0}
+    T = float(todo.span[case])
+    run = Trajectory(model, pieces, todo.periods, todo.settle, todo.rtol, todo.method).with_axes
+    if model.period is None:
+        x, period, limit = run._states_at(run.pieces.t[[0, -1]], np.array([0, len(run.pieces.mode) - 1]))[0], 0, np.nan
+        way = way_of_machine(model, x)
     else:
-        x = run.strobe_x
-        results = {**strobes.NOTHING, **strobes.over_window(way, settle, period, limit)}
-    count = window_count(len(x) - 1, settle, period)
-    parts = _results_of_parts(todo, run, period or 1, x[-1] - x[-1 - count])
+        x, (way, period, limit) = run.strobe_x, repetition_of(run)
+    settle = todo.periods - period if todo.auto and period else todo.settle
+    results = strobes.over_window(way, settle, period, limit)
+    moved = x[-1] - x[-1 - int(results["window"])]
+    parts = _results_of_parts(todo, run, (period or 1, T), moved, T * results["window"])
     return {**results, "status": 0, "periods_run": todo.periods, "parts": parts}
 
 
-def _results_of_parts(todo: Request, run: Trajectory, periods: int, displacement: Array) -> RawParts:
-    """Results of the parts over the last drive periods."""
-    end, T = float(run.pieces.t[-1]), float(todo.span[0] if run.model.period is None else run.model.period)
+def _results_of_parts(todo: Request, run: Trajectory, last: tuple[int, float], displacement: Array, window: float) -> RawParts:
+    """Results of the parts over the last drive periods, of which `last` is their number and length; extremes also over the window."""
+    periods, T = last
+    end, machine = float(run.pieces.t[-1]), machine_of(run.model)
     t, span = strobes.strobe_samples(end, periods, T), periods * T
-    at, machine = run.at(t), machine_of(run.model)
-    v, slip, step = at["v"], at["slip"], span / len(t)
+    at, step = run.at(t), span / len(t)
+    v, slip = at["v"], at["slip"]
     segments = [strobes.segments_of(np.full(len(t), step), codes) for codes in _codes(todo, run, at).T]
     number, time, code = (np.array([each[k] for each in segments])[None] for k in range(3))
+    wide = np.concatenate([[v.max(axis=0), v.min(axis=0)], *_at_ends(run, window)])
     hits, pressed = _hits(run, end - span), _pressed(run, at)
     stops = [name for name, _ in machine.mechanics.named_stops]
     return RawParts(
-        displacement=displacement[None], v_max=v.max(axis=0)[None], v_min=v.min(axis=0)[None], wide_max=v.max(axis=0)[None],
-        wide_min=v.min(axis=0)[None], slip_max=slip.max(axis=0)[None], slip_min=slip.min(axis=0)[None],
-        slipped=slip.sum(axis=0)[None] * step, friction_work=(at["friction_force"] * slip).sum(axis=0)[None] * step,
-        seg_count=number, seg_time=time, seg_code=code, margin_force=np.nan,
+        displacement=displacement[None], v_max=v.max(axis=0)[None], v_min=v.min(axis=0)[None], wide_max=wide.max(axis=0)[None],
+        wide_min=wide.min(axis=0)[None], slip_max=slip.max(axis=0)[None], slip_min=slip.min(axis=0)[None],
+        slipped=slip.sum(axis=0)[None] * step, slipped_over=np.array([periods]),
+        friction_power=(at["friction_force"] * slip).sum(axis=0)[None] * step / span,
+        seg_count=number, seg_time=time, seg_code=code, margin_force=strobes.margin_forces(machine)[None],
         hits=np.array([[(hits | pressed)[name][0] for name in stops]], float),
         impulse_max=np.array([[hits[name][1] if name in hits else np.nan for name in stops]]),
         stop_force_max=np.array([[pressed[name][1] if name in pressed else np.nan for name in stops]]),
     )  # fmt: skip
+
+
+def _at_ends(run: Trajectory, window: float) -> Iterator[Array]:
+    """Extremes of the bodies' velocities where the pieces begin that lie in the window, some of the pieces each time (2, bodies)."""
+    t = run.pieces.t
+    index = np.flatnonzero(t[:-1] >= t[-1] - window * (1 + 1e-12))
+    for some in np.array_split(index, 1 + len(index) * len(run.pieces.layout.bodies) // _AT_ONCE):
+        v = run._states_at(t[some], some)[1]
+        yield np.array([v.max(axis=0), v.min(axis=0)])
 
 
 def _codes(todo: Request, run: Trajectory, at: dict[str, Array]) -> Array:
