@@ -8,6 +8,7 @@ While the call goes on, a file of its own lies in the folder of temporary files;
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import importlib.util
 import os
@@ -18,9 +19,9 @@ import tempfile
 import threading
 import time
 import traceback
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import TracebackType
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
@@ -81,6 +82,18 @@ class Workers:
         """Workers among which cases are divided."""
         return _AT_ONCE // 2 if self.elsewhere and self.threads == 1 else self.threads
 
+    @contextlib.contextmanager
+    def kept(self) -> Iterator[Workers]:
+        """A block of many computations by the same workers: a pool that is made for it is made once."""
+        if not callable(self.executor):
+            yield self
+            return
+        pool = _Made(self.executor)
+        try:
+            yield replace(self, executor=pool)
+        finally:
+            pool.close()
+
     def note(self, problems: Problems) -> None:
         """Note what is wrong with the arguments `workers` and `executor` of a public function."""
         problems.whole("workers", self.threads, 1, example=2)
@@ -88,6 +101,35 @@ class Workers:
         if self.executor is not None and not callable(self.executor) and not isinstance(self.executor, Executor):
             what = f"executor = {self.executor!r}; allowed is an executor with submit(), or a function that makes one"
             problems.add(f"{what}; type for example executor=concurrent.futures.ProcessPoolExecutor(8)")
+
+
+#: One thread of this process.
+HERE = Workers()
+
+
+class _Made:
+    """A pool that a function makes: when it is needed, and again after it broke."""
+
+    def __init__(self, make: Callable[[], Any]):
+        self._make, self.generation, self.is_left = make, 0, False
+        self._pool: Any = None
+
+    def submit(self, function: Callable[..., Any], /, *args: Any) -> Any:
+        """Begin a call, and return a future."""
+        if self._pool is None:
+            self._pool = self._make()
+        return self._pool.submit(function, *args)
+
+    def renew(self) -> None:
+        """Let go of a broken pool."""
+        self.close(wait=False)
+        self.generation += 1
+
+    def close(self, wait: bool = True) -> None:
+        """End the workers, after those chunks that they have begun; chunks that were called back in vain are not waited for."""
+        if self._pool is not None:
+            self._pool.shutdown(wait=wait and not self.is_left)
+        self._pool = None
 
 
 # ---- the caller ----
@@ -107,9 +149,9 @@ class Elsewhere:
         self._workers = workers
         self._work = packed(work)
         self._print = _print_of(self._work)
-        self._pool: Any = None
+        self._pool = workers.executor if isinstance(workers.executor, _Made) or not callable(workers.executor) else _Made(workers.executor)
         self._generations: dict[Any, int] = {}
-        self._generation, self._broken, self._breaks = 0, "", 0
+        self._broken, self._breaks = "", 0
         self._tries: dict[int, int] = {}
         self._recalled_at = 0.0
 
@@ -117,13 +159,14 @@ class Elsewhere:
         handle, file = tempfile.mkstemp(prefix="stickslip-call-")
         os.close(handle)
         self._errand = _Errand(file, socket.gethostname(), os.getpid())
-        self._pool = self._workers.executor() if callable(self._workers.executor) else self._workers.executor
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self._dismiss()
-        if callable(self._workers.executor):
-            self._pool.shutdown(wait=not self._generations)
+        if isinstance(self._pool, _Made):
+            self._pool.is_left = self._pool.is_left or bool(self._generations)
+            if self._pool is not self._workers.executor:
+                self._pool.close()
 
     def room(self) -> int:
         """How many chunks may be handed out at once."""
@@ -204,15 +247,19 @@ class Elsewhere:
         self._broken = f"{type(error).__name__}: {error}"
         self._breaks += 1
         what = f"the workers of the executor are gone ({self._broken})"
-        if not callable(self._workers.executor):
+        if not isinstance(self._pool, _Made):
             how = "executor=lambda: ProcessPoolExecutor(8), with which the pool is made again and its chunks are handed out again"
             raise StickslipError(f"{what}; look at their messages (memory?), and give a function that makes the executor: {how}")
         if self._breaks > self._workers.retries:
             raise StickslipError(f"{what}, {self._breaks} times without a chunk finished in between; look at their messages (memory?)")
 
+    @property
+    def _generation(self) -> int:
+        return self._pool.generation if isinstance(self._pool, _Made) else 0
+
     def _renew(self) -> None:
-        self._pool.shutdown(wait=False)
-        self._pool, self._broken, self._generation = self._workers.executor(), "", self._generation + 1
+        self._pool.renew()
+        self._broken = ""
 
     def _try_again(self, number: int, why: str) -> None:
         self._tries[number] = self._tries.get(number, 0) + 1

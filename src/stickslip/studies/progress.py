@@ -86,6 +86,10 @@ class Watch:
         self._finished, self._resumed, self._began, self._reported = 0, 0, time.monotonic(), 0.0
         self._lock = threading.Lock()
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # In another process nobody watches.
+        return type(self), (self.cases, None)
+
     def resumed(self, cases: int) -> None:
         """Count cases from an earlier run."""
         self._finished = self._resumed = cases

@@ -14,9 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Maker, explains_arguments
+from stickslip.basics.arguments import Executes, Maker, explains_arguments
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems, SolveError
+from stickslip.basics.executors import Workers
 from stickslip.basics.interruption import Ending, interruptible, look, partial_result
 from stickslip.dynamics.atlas.atlas_result import Atlas, without_twins
 from stickslip.dynamics.atlas.atlas_study import AtlasStudy
@@ -30,7 +31,7 @@ from stickslip.dynamics.attractors.settled_motions import checked_limit
 from stickslip.dynamics.attractors.starts_run_on import STRETCH
 from stickslip.dynamics.continuation.branches import Branch, continuation
 from stickslip.dynamics.continuation.two_parameters import special_curve
-from stickslip.dynamics.stroboscopic.chunked_runs import Report, over_chunks
+from stickslip.dynamics.stroboscopic.chunked_runs import Report, Tell, over_chunks
 from stickslip.studies.progress import Watch
 
 _TILE = 32  # points of the grid that run together and are kept together
@@ -53,6 +54,7 @@ def atlas(
     branches: int = 40,
     refine: int = 1,
     workers: int = 1,
+    executor: Executes = None,
     out: str | Path | None = None,
     resume: bool = False,
     progress: Report | None = None,
@@ -94,6 +96,8 @@ def atlas(
         border between was followed. Each time takes about as long as the grid, or twice as long.
     workers : int
         Threads for the grid. The results do not depend on it.
+    executor : executor or callable, optional
+        Compute the grid there, as for `sweep`; `workers` is then the number of its workers.
     out : path, optional
         A folder to which every result is written as soon as it is found.
     resume : bool
@@ -123,10 +127,11 @@ def atlas(
     >>> [border.kind for border in atlas.borders], atlas.at(amplitude=3.7e-4, mu0=0.18), atlas.at(amplitude=3.71e-4, mu0=0.18)
     (['type-border'], ('II',), ('I',))
     """
-    asked = _Asked(settle, limit, rtol, branches, refine, workers, resume, out)
+    asked = _Asked(settle, limit, rtol, branches, refine, Workers(workers, executor), resume, out)
     plane = plane_over("atlas", make, over, starts, fixed, asked.check, (section, turns))
     study = AtlasStudy(out, plane, asked.look, bool(resume))
-    return _Making(plane, asked.look, study, workers, progress).made(branches, refine)
+    with asked.workers.kept() as kept:
+        return _Making(plane, asked.look, study, kept, progress).made(branches, refine)
 
 
 @dataclass(frozen=True)
@@ -138,7 +143,7 @@ class _Asked:
     rtol: Any
     branches: Any
     refine: Any
-    workers: Any
+    workers: Workers
     resume: Any = False
     out: Any = None
 
@@ -148,7 +153,7 @@ class _Asked:
         checked_limit(problems, self.settle, self.limit)
         problems.whole("branches", self.branches, 0, example=40)
         problems.whole("refine", self.refine, 0, example=1)
-        problems.whole("workers", self.workers, 1, example=2)
+        self.workers.note(problems)
         if isinstance(self.rtol, bool) or not isinstance(self.rtol, (int, float, np.number)) or not 0 < self.rtol < 1:
             problems.add(f"rtol = {self.rtol!r}; allowed is a number between 0 and 1; type rtol=1e-7")
         if self.resume and self.out is None:
@@ -160,6 +165,14 @@ class _Asked:
         return Look(int(self.settle), checked_limit(Problems("atlas"), self.settle, self.limit), float(self.rtol))
 
 
+#: Points of the grid, and more starts at each of them.
+_Numbers = tuple[list[Cell], dict[Cell, Array] | None]
+
+
+def _motions_at(plane: Plane, look: Look, numbers: _Numbers, tell: Tell) -> dict[Cell, PointOfGrid]:
+    return motions_at(plane, numbers[0], look, numbers[1])
+
+
 @dataclass
 class _Making:
     """An atlas that is being made, and how that ended."""
@@ -167,7 +180,7 @@ class _Making:
     plane: Plane
     look: Look
     study: AtlasStudy
-    workers: int
+    workers: Workers
     progress: Any
     ending: Ending = field(default_factory=Ending)
     missed: int = 0  # motions that no start had led to
@@ -222,10 +235,10 @@ class _Making:
     ) -> dict[Cell, PointOfGrid]:  # fmt: skip
         """The motions at some points, in parts and threads."""
 
-        def work(part: slice, tell: Callable[[float], None]) -> dict[Cell, PointOfGrid]:
-            return motions_at(plane, cells[part], self.look, more)
+        def numbers(part: slice) -> _Numbers:
+            return cells[part], None if more is None else {cell: more[cell] for cell in cells[part]}
 
-        for _, points in over_chunks(len(cells), work, self.workers, self.progress, _TILE):
+        for _, points in over_chunks(len(cells), numbers, partial(_motions_at, plane, self.look), self.workers, self.progress, _TILE):
             results |= points
             if keep:
                 keep(plane.number(min(points)), points)
@@ -411,7 +424,7 @@ def atlas_time(
     >>> 0 < time.grid < 60
     True
     """
-    asked = _Asked(settle, limit, rtol, branches, refine, workers)
+    asked = _Asked(settle, limit, rtol, branches, refine, Workers(workers))
     plane = plane_over("atlas_time", make, over, starts, fixed, asked.check, (section, turns))
     probed = [plane.cell(int(k)) for k in np.unique(np.linspace(0, plane.cells - 1, min(_PROBED, plane.cells)).round())]
     probes = motions_at(plane, probed[:1], asked.look)  # compiles

@@ -11,6 +11,7 @@ import numpy as np
 
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems
+from stickslip.basics.executors import HERE
 from stickslip.basics.fields import floats
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.attractors.basins import from_rest, grid_of, start_axes
@@ -150,7 +151,7 @@ class Plane:
 
     @cached_property
     def _start_axes(self) -> dict[str, Array]:
-        return start_axes("atlas", self.at, self.starts if isinstance(self.starts, dict) else {}, 1, None, 1)[0]
+        return start_axes("atlas", self.at, self.starts if isinstance(self.starts, dict) else {}, 1, None, HERE)[0]
 
     @cached_property
     def count(self) -> int:

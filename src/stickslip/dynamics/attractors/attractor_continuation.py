@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Maker, Numbers, explains_arguments
+from stickslip.basics.arguments import Executes, Maker, Numbers, explains_arguments
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems
+from stickslip.basics.executors import Workers
 from stickslip.basics.interruption import interruptible, look, partial_result
 from stickslip.dynamics.attractors.basins import Attractor, grid_of, on_grid, start_axes, wilson
 from stickslip.dynamics.attractors.bifurcation_diagrams import checked_values, state_attrs, velocity_attrs
@@ -72,6 +73,7 @@ def attractors(
     section: Any = None,
     turns: int = 1,
     workers: int = 1,
+    executor: Executes = None,
     progress: Report | None = None,
     **fixed: Any,
 ) -> xr.Dataset:
@@ -107,6 +109,8 @@ def attractors(
         Of a model without a period: after how many returns to the section it is looked at again.
     workers : int
         Threads for the starts of one value. The results do not depend on it.
+    executor : executor or callable, optional
+        Compute there, as for `sweep`; `workers` is then the number of its workers.
     progress : callable or bool, optional
         True for a progress line, or a function that is called with a `Progress` after each value; return False to stop. Attractors are
         then missing at the values that were not computed.
@@ -146,13 +150,14 @@ def attractors(
     at = coordinates(robots.robots(values))
     if "phase" in (starts or {}):
         raise InputError("attractors", ["phase is not part of the strobe state that is tracked; take ss.basins(robot, phase=...)"])
-    axes, limit = start_axes("attractors", at, starts or {}, settle, limit, workers, first)
+    crew = Workers(workers, executor)
+    axes, limit = start_axes("attractors", at, starts or {}, settle, limit, crew, first)
     table = grid_of(axes)
     at = on_section(first, at, section=section, turns=turns, states=on_grid(table, first), what="attractors")
     tracks: list[_Track] = []
     lost, watch = np.full((len(values), len(_LOST)), UNDONE), Watch(len(values), progress)
-    along = _Along(robots, values, table, at, settle, limit, rtol, workers, section)
-    with partial_result() as ending:
+    with crew.kept() as kept, partial_result() as ending:
+        along = _Along(robots, values, table, at, settle, limit, rtol, kept, section)
         for k in range(len(values)):
             look()
             lost[k] = _at_value(along, k, tracks)
@@ -175,7 +180,7 @@ class _Along:
     settle: int
     limit: int
     rtol: float
-    workers: int
+    workers: Workers
     section: Any
 
     def on(self, model: Model) -> Coordinates:

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Model, described_as, explains_arguments
+from stickslip.basics.arguments import Executes, Model, described_as, explains_arguments
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems, SolveError, did_you_mean
+from stickslip.basics.executors import Workers
 from stickslip.basics.fields import floats
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible
@@ -171,6 +172,7 @@ def basins(
     section: Any = None,
     turns: int = 1,
     workers: int = 1,
+    executor: Executes = None,
     progress: Report | None = None,
     **starts: Any,
 ) -> Basins:
@@ -198,6 +200,8 @@ def basins(
         Of a model without a period: after how many returns to the section it is looked at again.
     workers : int
         Threads. The results do not depend on it.
+    executor : executor or callable, optional
+        Compute there, as for `sweep`; `workers` is then the number of its workers.
     progress : callable or bool, optional
         True for a progress line, or a function that is called with a `Progress`; return False to stop. Starts that were not computed then
         belong to no attractor and are not counted in the shares.
@@ -223,13 +227,13 @@ def basins(
     (1, [1.0])
     """
     needs_model("basins", model, flows=True, sections=True)
-    at = coordinates(model)
-    axes, limit = start_axes("basins", at, starts, settle, limit, workers, model)
+    at, crew = coordinates(model), Workers(workers, executor)
+    axes, limit = start_axes("basins", at, starts, settle, limit, crew, model)
     table = grid_of(axes)
     states = on_grid(table, model)
     at = on_section(model, at, section=section, turns=turns, states=states, what="basins")
     batch = shifted_robots("basins", model, table["phase"]) if "phase" in table else spread_over(model, len(states))
-    settled = settled_motions(batch, states, at, settle, limit, rtol, workers=workers, progress=progress, partly=True)
+    settled = settled_motions(batch, states, at, settle, limit, rtol, workers=crew, progress=progress, partly=True)
     result = _gathered(model, axes, settled, at, "phase" in table, rtol)
     result = replace(result, notes=(*result.notes, *_changed(model, states)))
     if settled.ending.interrupted:
@@ -273,12 +277,12 @@ def from_rest(table: dict[str, Array], names: tuple[str, ...], rest: Array) -> A
 
 
 def start_axes(
-    what: str, at: Any, starts: dict[str, Any], settle: Any, limit: Any, workers: Any, model: Any = None
+    what: str, at: Any, starts: dict[str, Any], settle: Any, limit: Any, workers: Workers, model: Any = None
 ) -> tuple[dict[str, Array], int]:
     """The axes of a grid of starts, checked, and the limit of their runs in drive periods."""
     free = model is not None and model.period is None
     problems, known = Problems(what), at.start_names if free or not at.has_phase else (*at.start_names, "phase")
-    problems.whole("workers", workers, 1, example=2)
+    workers.note(problems)
     problems.whole("settle", settle, 1, example=300)
     most = checked_limit(problems, settle, limit)
     axes = {}

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Maker, Numbers, explains_arguments
+from stickslip.basics.arguments import Executes, Maker, Numbers, explains_arguments
 from stickslip.basics.batch import some_of
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import Problems
+from stickslip.basics.executors import Workers
 from stickslip.basics.fields import floats
 from stickslip.basics.interruption import interruptible, look, partial_result
 from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, UNDONE, of_motions
@@ -20,7 +21,7 @@ from stickslip.dynamics.attractors.settled_motions import checked_limit, motion_
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chosen_sections import on_section
-from stickslip.dynamics.stroboscopic.chunked_runs import Report, over_chunks
+from stickslip.dynamics.stroboscopic.chunked_runs import Report, Tell, over_chunks
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, strobe_map
 from stickslip.models.model_adapter import adapter_of
@@ -49,6 +50,7 @@ def bifurcation(
     section: Any = None,
     turns: int = 1,
     workers: int = 1,
+    executor: Executes = None,
     progress: Report | None = None,
     **fixed: Any,
 ) -> xr.Dataset:
@@ -81,6 +83,8 @@ def bifurcation(
         Of a model without a period: after how many returns to the section it is looked at again.
     workers : int
         Threads, where `follow` is False (following goes from value to value). The results do not depend on it.
+    executor : executor or callable, optional
+        Compute there, as for `sweep`; `workers` is then the number of its workers.
     progress : callable or bool, optional
         True for a progress line, or a function that is called with a `Progress`; return False to stop. Cases not computed are then NaN,
         with the period -1.
@@ -107,7 +111,8 @@ def bifurcation(
     problems = Problems("bifurcation")
     problems.whole("settle", settle, 1, example=200)
     problems.whole("points", points, 2, example=64)
-    problems.whole("workers", workers, 1, example=2)
+    crew = Workers(workers, executor)
+    crew.note(problems)
     limit = checked_limit(problems, settle, limit)
     values = checked_values(problems, values, robots)
     needs_model("bifurcation", robots.robot(values[0]), flows=True, sections=True)
@@ -121,7 +126,11 @@ def bifurcation(
         if follow:
             _hysteresis(diagram, how, values, first, progress)
         else:
-            for part, columns in over_chunks(len(values), lambda part, tell: how.at_values(values, part, first[part]), workers, progress):
+
+            def numbers(part: slice) -> _Numbers:
+                return how.of(part), values[part], first[part]
+
+            for part, columns in over_chunks(len(values), numbers, _columns_at, crew, progress):
                 for name, column in columns.items():
                     diagram[name][0, part] = column
     grid = _dataset(how, parameter, values, diagram, DIRECTIONS if follow else ("from start",))
@@ -151,9 +160,13 @@ class _Look:
             **{name: np.full(flat, np.nan) for name in numbers},
         }  # fmt: skip
 
-    def at_values(self, values: Array, which: Any, states: Array) -> dict[str, Array]:
-        """Columns of the cases of some of the values, each with its own start."""
-        model, at, n = self.robots.robots(values[which]), self.at.of(which), len(states)
+    def of(self, which: Any) -> _Look:
+        """The same for some of the values."""
+        return replace(self, at=self.at.of(which))
+
+    def columns_at(self, values: Array, states: Array) -> dict[str, Array]:
+        """Columns of the cases of its values, each with its own start."""
+        model, at, n = self.robots.robots(values), self.at, len(states)
         settled = settled_motions(
             model, states, at, self.settle, self.limit, self.rtol, groups=np.arange(n), points=max(self.points, POINTS)
         )
@@ -168,6 +181,15 @@ class _Look:
             "motion": settled.kind, "period": settled.period, "exponent": settled.exponent, "error": settled.error, "run": settled.run,
             "v_max": extremes[0], "v_min": extremes[1], "duration": motion_times(settled),
         }  # fmt: skip
+
+
+#: How some values are looked at, the values, and their starts.
+_Numbers = tuple[_Look, Array, Array]
+
+
+def _columns_at(numbers: _Numbers, tell: Tell) -> dict[str, Array]:
+    how, values, states = numbers
+    return how.columns_at(values, states)
 
 
 def checked_values(problems: Problems, values: Array, robots: Family) -> Array:
@@ -185,7 +207,7 @@ def _hysteresis(diagram: dict[str, Array], how: _Look, values: Array, first: Arr
     n, states, watch = len(values), first[[0, -1]], Watch(len(values), progress)
     for k in range(n):
         look()
-        columns = how.at_values(values, [k, n - 1 - k], states)
+        columns = how.of([k, n - 1 - k]).columns_at(values[[k, n - 1 - k]], states)
         last = columns["points"][:, -1]
         states = np.where(np.isfinite(last), last, first[[k, n - 1 - k]])
         for name, column in columns.items():

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Maker, explains_arguments
+from stickslip.basics.arguments import Executes, Maker, explains_arguments
 from stickslip.basics.batch import some_of
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import Problems
+from stickslip.basics.executors import Workers
 from stickslip.basics.fields import floats
 from stickslip.basics.interruption import interruptible, partial_result
 from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, OF_MOTIONS, UNDONE, worded
@@ -48,6 +49,7 @@ def chaos_map(
     section: Any = None,
     turns: int = 1,
     workers: int = 1,
+    executor: Executes = None,
     progress: Report | None = None,
     **arguments: Any,
 ) -> xr.Dataset:
@@ -77,6 +79,8 @@ def chaos_map(
         Of a model without a period: after how many returns to the section it is looked at again.
     workers : int
         Threads. The results do not depend on it.
+    executor : executor or callable, optional
+        Compute there, as for `sweep`; `workers` is then the number of its workers.
     progress : callable or bool, optional
         True for a progress line, or a function that is called with a `Progress`; return False to stop. What is not computed then has the
         period -1.
@@ -99,7 +103,8 @@ def chaos_map(
     """
     import xarray as xr
 
-    axes, most = _axes(arguments, settle, limit, periods, workers)
+    crew = Workers(workers, executor)
+    axes, most = _axes(arguments, settle, limit, periods, crew)
     robots = family("chaos_map", make, tuple(axes), {name: value for name, value in arguments.items() if name not in axes})
     first = robots.robot(*(axis[0] for axis in axes.values()))
     needs_model("chaos_map", first, flows=True, sections=True)
@@ -116,11 +121,12 @@ def chaos_map(
         np.zeros(size, int),
     ]
 
-    def looked_at(part: slice, tell: Callable[[float], None]) -> tuple[Array, ...]:
-        return _looked_at(robots, [column[part] for column in grid], start, (section, turns), settle, most, periods, rtol, tell)
+    def values_of(part: slice) -> list[Array]:
+        return [column[part] for column in grid]
 
+    work = partial(_looked_at, robots, start, (section, turns), settle, most, periods, rtol)
     with partial_result() as ending:
-        for part, results in over_chunks(grid[0].size, looked_at, workers, progress):
+        for part, results in over_chunks(size, values_of, work, crew, progress):
             for column, values in zip(whole, results, strict=True):
                 column[part] = values
     shape = tuple(len(axis) for axis in axes.values())
@@ -139,7 +145,7 @@ def _is_many(value: Any) -> bool:
     return isinstance(value, (list, tuple, range)) or getattr(value, "ndim", 0) > 0
 
 
-def _axes(arguments: dict[str, Any], settle: Any, limit: Any, periods: Any, workers: Any) -> tuple[dict[str, Array], int]:
+def _axes(arguments: dict[str, Any], settle: Any, limit: Any, periods: Any, workers: Workers) -> tuple[dict[str, Array], int]:
     problems = Problems("chaos_map")
     axes = {name: floats(value) for name, value in arguments.items() if _is_many(value)}
     if len(axes) not in (1, 2):
@@ -150,13 +156,13 @@ def _axes(arguments: dict[str, Any], settle: Any, limit: Any, periods: Any, work
     problems.whole("settle", settle, 1, example=300)
     most = checked_limit(problems, settle, limit)
     problems.whole("periods", periods, 20, example=200)
-    problems.whole("workers", workers, 1, example=2)
+    workers.note(problems)
     problems.check()
     return axes, most
 
 
 def _looked_at(
-    robots: Family, values: list[Array], start: Any, section: tuple[Any, int], settle: int, limit: int, periods: int, rtol: float, tell: Any
+    robots: Family, start: Any, section: tuple[Any, int], settle: int, limit: int, periods: int, rtol: float, values: list[Array], tell: Any
 ) -> tuple[Array, ...]:
     """Period, mean velocity, motion, exponent, its error and drive periods of a part of the grid."""
     cases = len(values[0])

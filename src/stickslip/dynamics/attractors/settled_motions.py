@@ -17,8 +17,8 @@ long stretch, and is called by what that shows:
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import nullcontext
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,7 @@ import numpy as np
 from stickslip.basics.batch import some_of
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import Problems, is_whole
+from stickslip.basics.executors import HERE, Workers
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import Ending, partial_result
 from stickslip.dynamics.attractors.kinds_of_motion import (
@@ -41,7 +42,7 @@ from stickslip.dynamics.attractors.kinds_of_motion import (
 from stickslip.dynamics.attractors.motions_without_period import GroupOfStarts, late_ends
 from stickslip.dynamics.attractors.period_numbers import POINTS
 from stickslip.dynamics.attractors.starts_run_on import NUDGE, NUDGED, ROUNDED, STRETCH, StartsRun, WatchedStarts
-from stickslip.dynamics.stroboscopic.chunked_runs import Report, over_chunks
+from stickslip.dynamics.stroboscopic.chunked_runs import Report, Tell, over_chunks
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates
 
 _LEFT = 10.0  # times as large: a nudge that has grown so much was given to an unstable motion
@@ -128,9 +129,13 @@ def checked_limit(problems: Problems, settle: Any, limit: Any) -> int:
     return int(limit)
 
 
+#: The models of some starts, their states and coordinates.
+_Starts = tuple[Any, Array, Coordinates]
+
+
 def settled_motions(
     batch: Any, states: Array, at: Coordinates, settle: int, limit: int, rtol: float, *, groups: Array | None = None, points: int = POINTS,
-    exponents: int = STRETCH, workers: int = 1, progress: Report | None = None, partly: bool = False,
+    exponents: int = STRETCH, workers: Workers = HERE, progress: Report | None = None, partly: bool = False,
 ) -> Settled:  # fmt: skip
     """Run starts until they have settled, up to a limit, and say on what.
 
@@ -165,15 +170,12 @@ def settled_motions(
     groups = np.zeros(cases, int) if groups is None else groups
     whole = WatchedStarts(at, cases, states.shape[1], points)
 
-    def work(part: slice, tell: Callable[[float], None]) -> WatchedStarts:
-        run = StartsRun(some_of(batch, part), np.array(states[part], float), at.of(part), rtol, points)
-        run.settle(settle, limit, tell)
-        run.nudge()
-        run.look_long(exponents)
-        return run.watched
+    def starts(part: slice) -> _Starts:
+        return some_of(batch, part), np.array(states[part], float), at.of(part)
 
+    work = partial(_watched, settle, limit, rtol, points, exponents)
     with partial_result() if partly else nullcontext(Ending()) as ending:
-        for part, watched in over_chunks(cases, work, workers, progress):
+        for part, watched in over_chunks(cases, starts, work, workers, progress):
             whole.put(part, watched)
     left = np.flatnonzero(whole.kind == UNSETTLED)
     for group in np.unique(groups[left]):
@@ -189,6 +191,15 @@ def settled_motions(
         whole.kind, whole.period, whole.points, whole.ways, whole.long, whole.exponent, whole.error, whole.run, why, ending,
         whole.times, whole.long_times,
     )  # fmt: skip
+
+
+def _watched(settle: int, limit: int, rtol: float, points: int, exponents: int, starts: _Starts, tell: Tell) -> WatchedStarts:
+    """Run some starts until they have settled."""
+    run = StartsRun(*starts, rtol, points)
+    run.settle(settle, limit, tell)
+    run.nudge()
+    run.look_long(exponents)
+    return run.watched
 
 
 def _off_the_section(whole: WatchedStarts) -> None:

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Model, explains_arguments
+from stickslip.basics.arguments import Executes, Model, explains_arguments
 from stickslip.basics.batch import some_of
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems
+from stickslip.basics.executors import HERE, Workers
 from stickslip.basics.fields import checked_number
 from stickslip.basics.interruption import interruptible, look, partial_result
 from stickslip.basics.quantities import between
@@ -22,7 +23,7 @@ from stickslip.dynamics.flows.flow_stretches import passage
 from stickslip.dynamics.periodic.closed_orbits import resting
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chosen_sections import on_section
-from stickslip.dynamics.stroboscopic.chunked_runs import Report, over_chunks
+from stickslip.dynamics.stroboscopic.chunked_runs import Report, Tell, over_chunks
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, flight, refuse_chance, strobe_map, strobe_points, strobe_states
 from stickslip.engine.tangent import tangent_and_volume
@@ -286,6 +287,7 @@ def largest_exponents(
     rtol: float = 1e-10,
     apart: float = _APART,
     workers: int = 1,
+    executor: Executes = None,
     progress: Report | None = None,
 ) -> tuple[Array, Array]:
     """The largest exponent of every case of a batch, from two neighbouring motions whose distance is rescaled after every drive period.
@@ -306,6 +308,8 @@ def largest_exponents(
         Distance of the neighbours, in the scales of the coordinates.
     workers : int
         Threads. The results do not depend on it.
+    executor : executor or callable, optional
+        Compute there, as for `sweep`; `workers` is then the number of its workers.
     progress : callable or bool, optional
         True for a progress line, or a function that is called with a `Progress`; return False to stop. Cases not computed are then NaN.
 
@@ -325,12 +329,13 @@ def largest_exponents(
     checked_number("apart", apart, problems, between(1e-14, 0.1), "a distance from 1e-14 to 0.1, in the scales of the state", "apart=1e-7")
     problems.whole("periods", periods, 1, example=400)
     problems.whole("settle", settle, 0, example=200)
-    problems.whole("workers", workers, 1, example=2)
+    crew = Workers(workers, executor)
+    crew.note(problems)
     problems.check()
     state = states_of(start, model)
     whole = np.full((2, len(state)), np.nan)
     with partial_result():
-        for part, values in _parts_apart(model, state, periods, settle, rtol, apart, workers, progress):
+        for part, values in _parts_apart(model, state, periods, settle, rtol, apart, crew, progress):
             whole[:, part] = values
     return whole[0], whole[1]
 
@@ -340,26 +345,32 @@ def exponents_from(
 ) -> tuple[Array, Array]:
     """The same from strobe states (cases, coordinates), one for each case of a batch; nothing is checked."""
     whole = np.full((2, len(state)), np.nan)
-    for part, values in _parts_apart(model, state, periods, 0, rtol, apart, 1, None, at):
+    for part, values in _parts_apart(model, state, periods, 0, rtol, apart, HERE, None, at):
         whole[:, part] = values
     return whole[0], whole[1]
 
 
 def _parts_apart(
-    model: Model, state: Array, periods: int, settle: int, rtol: float, apart: float, workers: int, progress: Report | None,
+    model: Model, state: Array, periods: int, settle: int, rtol: float, apart: float, workers: Workers, progress: Report | None,
     at: Coordinates | None = None,
 ) -> Iterator[tuple[slice, tuple[Array, Array]]]:  # fmt: skip
     """Exponents and errors of a batch, part by part."""
     known = coordinates(model) if at is None else at
 
-    def apart_by(part: slice, tell: Callable[[float], None]) -> tuple[Array, Array]:
-        some = some_of(model, part)
-        at = known.of(part)
-        begun = strobe_map(some, state[part], settle, max(rtol, 1e-8), at).state if settle else state[part]
-        tell(settle / (settle + 3.0 * (_ALIGN + periods)))
-        return _apart_by(some, begun, at, periods, rtol, apart, tell)
+    def starts(part: slice) -> tuple[Model, Array, Coordinates]:
+        return some_of(model, part), state[part], known.of(part)
 
-    return over_chunks(len(state), apart_by, workers, progress)
+    return over_chunks(len(state), starts, partial(_apart_after, settle, periods, rtol, apart), workers, progress)
+
+
+def _apart_after(
+    settle: int, periods: int, rtol: float, apart: float, starts: tuple[Model, Array, Coordinates], tell: Tell
+) -> tuple[Array, Array]:
+    """Exponents and errors of some cases, after transients."""
+    model, state, at = starts
+    begun = strobe_map(model, state, settle, max(rtol, 1e-8), at).state if settle else state
+    tell(settle / (settle + 3.0 * (_ALIGN + periods)))
+    return _apart_by(model, begun, at, periods, rtol, apart, tell)
 
 
 def _apart_by(model: Model, state: Array, at: Coordinates, periods: int, rtol: float, apart: float, tell: Any) -> tuple[Array, Array]:
