@@ -27,7 +27,8 @@ from stickslip.solvers.closed_arcs import handles
 #: Steps per period of the fixed-step judges.
 RK4_STEPS = (2000, 10_000, 50_000)
 #: Method, drive periods and tolerance of SciPy's judge, with inner states and without; few periods, because it runs plain Python.
-SCIPY = {True: ("radau", 6, 1e-9), False: ("dop853", 12, 1e-11)}
+#: LSODA takes half of Radau's time for the presets' bristles, and no more for bristles a hundred times as stiff.
+SCIPY = {True: ("lsoda", 6, 1e-11), False: ("dop853", 12, 1e-11)}
 #: Tolerances of the ladder, relative to the one that is assessed.
 LADDER = (1.0, 0.1, 1e-2, 1e-4)
 _TIGHTEST = 1e-12
