@@ -153,13 +153,14 @@ def mode_shape(b: Numeric, s: Numeric, derivative: int = 0) -> Any:
     """
     import numpy as np
 
-    b, s = np.asarray(b), np.asarray(s)
-    decay = np.exp(-b)
-    q = (np.sin(b) - np.cos(b) - decay) / (1 - decay**2 + 2 * decay * np.sin(b))
-    rising, falling = q * np.exp(-b * (1 - s)), (1 - q * decay) * np.exp(-b * s)
-    c, sn = np.cos(b * s), np.sin(b * s)
+    beta: Any = np.asarray(b)
+    x: Any = np.asarray(s)
+    decay = np.exp(-beta)
+    q = (np.sin(beta) - np.cos(beta) - decay) / (1 - decay**2 + 2 * decay * np.sin(beta))
+    rising, falling = q * np.exp(-beta * (1 - x)), (1 - q * decay) * np.exp(-beta * x)
+    c, sn = np.cos(beta * x), np.sin(beta * x)
     cosine, sine = ((c, sn), (-sn, c), (-c, -sn), (sn, -c))[derivative % 4]
-    return b**derivative * (rising + (-1) ** derivative * falling - cosine + (1 - 2 * q * decay) * sine)
+    return beta**derivative * (rising + (-1) ** derivative * falling - cosine + (1 - 2 * q * decay) * sine)
 
 
 def modal_mass(b: Numeric, tip_mass_ratio: Numeric) -> Any:
