@@ -13,6 +13,9 @@ from scipy.optimize import brentq
 import stickslip as ss
 from problems import TwoBlocks, Weakening
 from rows import each_row
+from stickslip.dynamics.periodic.limit_cycles import LimitCycle
+from stickslip.dynamics.stroboscopic.chosen_sections import on_section
+from stickslip.dynamics.stroboscopic.strobe_maps import strobe_map
 from stickslip.maths import exp, where
 
 K, DAMPING, MU, F, V_S = 2.0, 0.3, 1.0, 1.5, 0.2
@@ -55,6 +58,15 @@ def _beyond(curve: Any, speed: float) -> float:
     return float(solve_ivp(field, (0.0, 30.0), y, events=top, **how).y_events[0][0][1]) - speed
 
 
+def _sticks_beside(law: Any, border: Any, aside: float, turns: int) -> Any:
+    """Whether runs from the cycle at a border, that much slower and faster, still reach the speed of the belt after so many turns."""
+    speeds = border.value + np.array([-aside, aside])
+    both, state = belt(law, speeds), np.tile(border.orbit.strobe_state, (2, 1))
+    at = on_section(both)
+    late = strobe_map(both, strobe_map(both, state, turns, 1e-12, at).state, 1, 1e-12, at)
+    return late.v_max >= speeds
+
+
 @each_row("name, low, high", [("Stribeck", 0.6, 0.7), ("Exponential", 0.6, 0.68)])
 def test_stick_slip_ends_where_the_slide_just_reaches_the_speed_of_the_belt(name, low, high):
     """Both branches: the stable cycle that rests ends there, and the unstable one that only slides goes back from it (subcritical)."""
@@ -64,9 +76,25 @@ def test_stick_slip_ends_where_the_slide_just_reaches_the_speed_of_the_belt(name
     assert border.value == pytest.approx(end, abs=1e-11) and border.accuracy < 1e-9
     rests = np.array(["0" in orbit.pattern for orbit in branch.orbits])
     assert [orbit.stable for orbit in branch.orbits] == rests.tolist() and rests[0] and not rests[-1] and branch.values.max() <= end + 1e-9
+    assert _sticks_beside(LAWS[name], border, 1e-9, turns=60).tolist() == [True, False]
     beside, rides = [end - 2e-3, end + 2e-3], dict(x=0.5, v=end - 2e-3)
     diagram = ss.bifurcation(belt(LAWS[name]), parameter="speed", values=beside, settle=40, start=rides)
     assert diagram.motion.values.tolist() == [["periodic", "steady"], ["steady", "steady"]]
+
+
+def test_under_a_law_with_bristles_stick_slip_ends_at_a_fold_just_beyond_the_touch():
+    """The branch turns back within 1e-7 of where the slip touches zero.
+
+    An independent program (SciPy's DOP853 from event to event) has the touch at 0.6656146572272, and cycles whose slip passes zero by
+    3e-8 m/s at 0.6656146598966, which is as fast as the fold but for 2.3e-10.
+    """
+    nearby = LimitCycle(belt(LUGRE), 1, np.array([1.06515561, 0.0, -1.00000823e-3]), 4.527192923, 0.0, 1e-12)
+    branch = ss.continuation(belt(LUGRE), parameter="speed", start=0.6655, stop=0.6755, guess=nearby, step=0.05, points=8)
+    fold, touch = (next(s for s in branch.special if s.kind == kind) for kind in ("fold", "grazing"))
+    assert touch.value == pytest.approx(0.6656146572272, abs=touch.accuracy) and touch.accuracy < 1e-10
+    assert 0.6656146598966 < fold.value < 0.6656146598966 + 1e-9 and fold.accuracy < 1e-10
+    assert fold.orbit.multipliers[0] == pytest.approx(1.0, abs=1e-5)
+    assert _sticks_beside(LUGRE, fold, 1e-9, turns=300).tolist() == [True, False]
 
 
 def _rides_along(curve: Any, speed: float, x: float, v: float) -> bool:

@@ -7,12 +7,14 @@ Which coordinate that is says `stickslip.analysis.section_choice`. A turning poi
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.analysis.section_choice import Cut
 from stickslip.basics.contracts import Array, Model
+from stickslip.dynamics.derivatives.slopes import number_slopes
+from stickslip.dynamics.derivatives.tangents import changes_along
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, flow_map, state_at
 from stickslip.models.machine_adapter import machine_of
 
@@ -68,13 +70,47 @@ class Section:
         """How far states are from themselves after their durations, in scales."""
         return ((self.ends(model, at, U, memory, rtol, unit) - self.states(model, at, U, memory)) / at.scales)[:, : at.smooth]
 
+    def slopes(
+        self, model: Model, at: Coordinates, u: Array, memory: Array, rtol: float, unit: float, numbers: dict[str, float] | None = None
+    ) -> tuple[Array, Array]:
+        """What one state misses, and its derivatives by the unknowns: by small changes along the cycle, by its rates at the end.
+
+        With derivatives of the model's numbers by a parameter, those by the parameter come last.
+        """
+        T, given = float(u[-1] * unit), numbers or {}
+        tried = u + _RATE * np.array([0.0, 1.0, -1.0])[:, None] * np.eye(len(u))[-1]
+        missed = self.misses(model, at, tried, memory, rtol, unit)
+        if not T > 0.0 or not np.isfinite(missed).all():
+            return missed[0], np.full((at.smooth, len(u) + bool(given)), np.nan)
+        shift = _far_end_slope(model, given) if given else 0.0
+        free = np.delete(np.diag(at.scales[: at.smooth]), self.index, axis=0)
+        moved = shift * np.eye(at.smooth)[self.index] if self.turns else np.zeros(at.smooth)
+        starts = np.vstack([free, moved]) if given else free
+        parts = {name: np.append(np.zeros(len(free)), slope) for name, slope in given.items()}
+        states = np.repeat(self.states(model, at, u[None, :], memory), len(starts), axis=0)
+        change = changes_along(model, states, starts, parts, 1, rtol, span=T).change - starts
+        change[len(free) :, 0] -= shift * T
+        J = np.insert((change / at.scales[: at.smooth]).T, len(free), (missed[1] - missed[2]) / (2.0 * _RATE), axis=1)
+        return missed[0], J
+
 
 TURN = Section()
+_RATE = 1e-6  # of the unit of time: differences of durations, beside an end where the motion is smooth
 
 
 def far_end(model: Model) -> Array:
     """Velocity of the spring's far end [m/s]."""
     return np.asarray(machine_of(model).far_end_velocity, float)
+
+
+def _far_end_slope(model: Model, numbers: dict[str, float]) -> float:
+    """Derivative of the velocity of the spring's far end by a parameter, from those of the model's numbers."""
+    return float(number_slopes(model, {name: np.array([slope]) for name, slope in numbers.items()}, _far_end_of)[0][0])
+
+
+def _far_end_of(machine: Any) -> list[Any]:
+    """Velocity of the spring's far end, as a function of the model's numbers."""
+    return [machine.far_end_velocity]
 
 
 def section_of(model: Model, cut: Cut) -> Section:

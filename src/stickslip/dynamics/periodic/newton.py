@@ -150,11 +150,10 @@ def newton_within(
     return replace(root, memory=memory, good=False, why="the memory of the law at the strobe does not return")
 
 
-def root_between(ahead: Callable[[float], P | None], a: P, b: P, test: Callable[[P], float]) -> P:
+def root_between(ahead: Callable[[float], P | None], length: float, a: P, b: P, test: Callable[[P], float]) -> P:
     """Where a test vanishes between two points of a curve, of which `ahead` gives the one that lies so far ahead of the first, if any."""
     from scipy.optimize import brentq
 
-    length = float((b.u - a.u) @ a.tangent)
     kept = {0.0: (test(a), a), length: (test(b), b)}
 
     def value(s: float) -> float:

@@ -155,7 +155,7 @@ def _between(problem: CurveProblem, a: CurvePoint, b: CurvePoint) -> Iterator[tu
 
 def _root(problem: CurveProblem, a: CurvePoint, b: CurvePoint, name: str) -> CurvePoint | None:
     """Where a test vanishes between two points; None where it jumps."""
-    best = root_between(partial(_ahead, problem, a), a, b, lambda p: p.tests.get(name, np.nan))
+    best = root_between(partial(_ahead, problem, a), float((b.u - a.u) @ a.tangent), a, b, lambda p: p.tests.get(name, np.nan))
     return best if abs(best.tests[name]) <= _VANISHED * max(abs(a.tests[name]), abs(b.tests[name])) else None
 
 

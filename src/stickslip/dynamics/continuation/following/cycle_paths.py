@@ -72,8 +72,21 @@ class CyclePath(Path):
 
     @cached_property
     def _followed(self) -> bool:
-        """Differences are taken, as how long it takes is unknown too."""
+        """Batches of derivatives are differences, as how long it takes is unknown too."""
         return False
+
+    def numbers(self, guess: Array) -> dict[str, float] | None:
+        """Derivatives of the machine's numbers by the parameter, where small changes are followed around a cycle."""
+        return self.family.slopes(float(self.value(guess))) if super()._followed else None
+
+    def slopes(self, u: Array, memory: Array, by_value: dict[str, float]) -> tuple[Array, Array]:
+        """The residual of one state, and its derivatives by the state, the duration and the parameter.
+
+        Small changes are followed along the cycle: a difference would smooth a corner of a law over its step, and where a slip just
+        touches zero a branch turns within less.
+        """
+        by_scaled = {name: slope * float(self.span) for name, slope in by_value.items()}
+        return self.section.slopes(self.robot(u), self.at, u[: self.at.smooth], memory, self.rtol, self.unit, by_scaled)
 
     def swing(self, cycle: LimitCycle) -> float:
         """How far the spring moves from its turn at the start in half a cycle [m]: negative where the cycle is followed inside out."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from stickslip.models.model_adapter import adapter_of
 _SAME, _LOOKED_BACK = 1e-2, 20  # a point so near, in steps, to the line through so many before it is on the way back
 _STRAIGHT, _SMALL = 0.8, 1e-4  # by how much, as a cosine, a branch may turn within a step that is not small
 _ANOTHER = 0.7  # of a step that led to a place where the motion is not alone
+_BLURRED = 0.1  # of the way to a point: a residual that may have moved it by more says that the branch has no point there
 _CORNER = "it has a corner"
 STOPPED = TOO_SHORT, _CORNER
 SIDE_BY_SIDE = "such motions form a continuous family (a multiplier is 1), and no single one can be followed"
@@ -58,6 +60,8 @@ def _next(path: Path, here: Point, step: float, passed: list[Array]) -> tuple[Ro
 
     def accepted(root: Root, step: float) -> Point | str:
         point = path.point(root, here.tangent)
+        if point.blur > _BLURRED * float(np.linalg.norm(point.u - here.u)):
+            return failed(replace(root, why=f"a residual of {root.residual:.1e} is left"))
         if _goes_back(point, here, passed):
             return f"{_CORNER} at {at}, and its continuation there was not found"
         same = step <= _SMALL or (point.tangent @ here.tangent > _STRAIGHT and not _hops(path, here, point))

@@ -108,7 +108,7 @@ def _special(path: Path, points: list[Point], b: Point, s: Located) -> Special:
         known = _rest_begins(path, points, b, s)
     elif s.kind == "grazing":
         known = _touch_begins(path, points[-1], b, s)
-    value, accuracy = known or (s.point.value, s.accuracy)
+    value, accuracy = known or (s.point.value if s.value is None else s.value, s.accuracy)
     return Special(s.kind, value, replace(s.point.orbit, notes=s.notes), accuracy)
 
 
