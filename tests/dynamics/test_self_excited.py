@@ -85,14 +85,14 @@ def test_stick_slip_ends_where_the_slide_just_reaches_the_speed_of_the_belt(name
 def test_under_a_law_with_bristles_stick_slip_ends_at_a_fold_just_beyond_the_touch():
     """The branch turns back within 1e-7 of where the slip touches zero.
 
-    An independent program (SciPy's DOP853 from event to event) has the touch at 0.6656146572272, and cycles whose slip passes zero by
-    3e-8 m/s at 0.6656146598966, which is as fast as the fold but for 2.3e-10.
+    An independent program (SciPy's DOP853 from event to event) has the touch at 0.6656146572272, and the largest speed of a cycle, by
+    a parabola through those whose slip passes zero by 30, 45 and 60 nm/s, at 0.6656146601227.
     """
     nearby = LimitCycle(belt(LUGRE), 1, np.array([1.06515561, 0.0, -1.00000823e-3]), 4.527192923, 0.0, 1e-12)
     branch = ss.continuation(belt(LUGRE), parameter="speed", start=0.6655, stop=0.6755, guess=nearby, step=0.05, points=8)
     fold, touch = (next(s for s in branch.special if s.kind == kind) for kind in ("fold", "grazing"))
     assert touch.value == pytest.approx(0.6656146572272, abs=touch.accuracy) and touch.accuracy < 1e-10
-    assert 0.6656146598966 < fold.value < 0.6656146598966 + 1e-9 and fold.accuracy < 1e-10
+    assert fold.value == pytest.approx(0.6656146601227, abs=fold.accuracy) and fold.accuracy < 1e-10
     assert fold.orbit.multipliers[0] == pytest.approx(1.0, abs=1e-5)
     assert _sticks_beside(LUGRE, fold, 1e-9, turns=300).tolist() == [True, False]
 

@@ -76,8 +76,11 @@ class CyclePath(Path):
         return False
 
     def numbers(self, guess: Array) -> dict[str, float] | None:
-        """Derivatives of the machine's numbers by the parameter, where small changes are followed around a cycle."""
-        return self.family.slopes(float(self.value(guess))) if super()._followed else None
+        """Derivatives of the machine's numbers by the parameter, where small changes are followed around a cycle.
+
+        Under laws that rest exactly slopes jump where a rest begins, and differences show both sides.
+        """
+        return self.family.slopes(float(self.value(guess))) if self.has_tolerance and super()._followed else None
 
     def slopes(self, u: Array, memory: Array, by_value: dict[str, float]) -> tuple[Array, Array]:
         """The residual of one state, and its derivatives by the state, the duration and the parameter.
