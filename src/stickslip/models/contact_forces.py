@@ -11,7 +11,7 @@ import numpy as np
 from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.models.friction.law_adapter import TINY
 from stickslip.models.mechanics import Mechanics
-from stickslip.models.rails import reaction
+from stickslip.models.rails import load_under
 
 _CLOSED = 1e-10  # of the velocity scale: tolerance for the gap (times the period) and the gap's rate of a closed stop
 
@@ -74,7 +74,7 @@ def contact_columns(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: Ar
         _hold(mechanics, np.hstack([resting, closed]), t, q, u, loads, R, pressed, held)
     for k, follows in enumerate(mechanics.of_motion if mechanics.joined else ()):  # what the motion asks of rails
         if follows:
-            loads[:, k] = abs(reaction(mechanics, k, t, q, u, tuple(R.T), held))
+            loads[:, k] = load_under(mechanics, k, t, q, u, tuple(R.T), held)
     moved = list(_under(mechanics, t, q, u, R, pressed, held))
     for i, index in enumerate(places or ()):  # exactly, without what rounding leaves of a difference of forces
         moved[index] = np.where(resting[:, i], 0.0 - prescribed[:, i], moved[index])

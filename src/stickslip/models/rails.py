@@ -57,6 +57,12 @@ def reaction(mechanics: Any, i: int, t: Numeric, q: Numbers, u: Numbers, R: Numb
     return total(terms)
 
 
+def load_under(mechanics: Any, i: int, t: Numeric, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> Any:
+    """The normal force under given friction forces: a rail presses on either side, ground on one [N]."""
+    force = reaction(mechanics, i, t, q, u, R, z)
+    return force if mechanics.touching[i].pushes else abs(force)
+
+
 def yielding(mechanics: Any, i: int, t: Numeric, q: Numbers) -> Any:
     """How much of the force of a rail its friction of one newton takes."""
     if mechanics.touching[i].keeps_height:

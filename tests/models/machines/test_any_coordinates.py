@@ -262,7 +262,7 @@ RAIL = lambda self: {"rail": ss.Contact("cart", self.friction, load=1.0)}  # noq
         ({"contacts": lambda self: {"rail": ss.Contact({"y": 1.0}, self.friction, load=1.0)}}, "'y', which is not a coordinate"),
         ({"contacts": lambda self: {"rail": ss.Contact({"x": 0.0}, self.friction, load=1.0)}}, "nothing decides its slip"),
         ({"contacts": lambda self: {"rail": ss.Contact("cart", self.friction)}}, "type load=1.0"),
-        ({"contacts": lambda self: {"rail": ss.Contact("cart", self.friction, load=1.0, hold="push")}}, "contacts that lift off"),
+        ({"contacts": lambda self: {"rail": ss.Contact("cart", self.friction, load=1.0, hold="push")}}, "leave load out"),
         ({"stops": lambda self: {("x", None): ss.Stop(gap=0.1, restitution=0.5)}}, "stops with restitution are not there yet"),
         ({"links": lambda self: {("bob", None): ss.Spring(3.0)}}, "type ss.Point(None, at=(0.0, 0.0))"),
         ({"principal": "bob"}, "principal = 'bob'"),

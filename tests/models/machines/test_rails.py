@@ -224,7 +224,7 @@ def agrees(model, start, duration, end):
     run, judge = (ss.solve(model, duration=duration, start=start, **given) for given in ({}, {"method": "dop853", "rtol": 1e-12}))
     assert run.method == "exact" and run.status == judge.status == end
     assert [(e.kind, e.part) for e in run.events] == [(e.kind, e.part) for e in judge.events]
-    assert np.max(abs(np.array([a.t - b.t for a, b in zip(run.events, judge.events, strict=True)]))) < 1e-10
+    assert np.max(abs(np.array([a.t - b.t for a, b in zip(run.events, judge.events, strict=True)])), initial=0.0) < 1e-10
     for name in ("x", "v", "load"):
         assert np.allclose(getattr(run, name)[-1], getattr(judge, name)[-1], rtol=0, atol=1e-10)
     assert np.max(abs(ss.energy(run).residual)) < 1e-13
@@ -249,6 +249,66 @@ def test_a_point_of_a_body_on_the_ground_slips_by_what_its_place_says():
 def test_a_point_that_is_kept_on_the_ground_begins_there(x, v, words):
     with pytest.raises(InputError, match=words):
         ss.solve(FreeRod(0.5, ss.Coulomb(0.2, 0.2)), duration=1.0, start={"x": x, "v": v})
+
+
+@dataclass(frozen=True, eq=False)
+class PushedRod(FreeRod):
+    """The same rod on ground that only pushes its foot."""
+
+    def contacts(self):
+        return {"foot": ss.Contact("rod", self.friction, at=(-self.half, 0.0), hold="push")}
+
+
+def test_the_ground_under_a_rod_has_a_load_up_to_painleves_border_on_one_side():
+    """A foot that is dragged away from its lean passes the angle of a rail's border; one that leans the other way ends at 1 + mu C = 0."""
+    mu, angle, rate, half = 1.5, 1.5, -1.0, 0.5
+    border = np.arctan((3 * mu + np.sqrt(9 * mu**2 - 16)) / 2)
+    for slip, duration, end in ((3.0, 0.1, Status.FINISHED), (-3.0, 0.2, Status.PAINLEVE)):
+        x = {"x": half * np.cos(angle), "z": half * np.sin(angle), "angle": angle}
+        v = {"x": slip - half * np.sin(angle) * rate, "z": half * np.cos(angle) * rate, "angle": rate}
+        run = agrees(PushedRod(half, ss.Coulomb(mu, mu)), {"x": x, "v": v}, duration, end.sentence)
+        last = run.coordinates["angle"][-1]
+        assert last < border - 0.05 if end == Status.FINISHED else abs(np.pi - last - border) < 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Hopper(ss.Machine):
+    """A box on the ground with a mass on a spring in it."""
+
+    box: float
+    inner: float
+    stiffness: float
+    friction: Any
+    coordinates = ("x", "z", "stretch")
+    time_scale, velocity_scale = 0.5, 1.0
+
+    def bodies(self):
+        return {"box": ss.Body(self.box), "mass": ss.Body(self.inner)}
+
+    def places(self, t, q):
+        return {"box": (q["x"], q["z"]), "mass": (q["x"], q["z"] + 0.3 + q["stretch"])}
+
+    def forces(self, t, q, u):
+        return {"stretch": -self.stiffness * q["stretch"]}
+
+    def contacts(self):
+        return {"foot": ss.Contact("box", self.friction, hold="push")}
+
+
+def test_a_box_lifts_off_when_the_mass_in_it_pulls_with_its_weight():
+    """N = (M + m) g + k A cos wt while the spring swings about its weight: zero where cos wt = -(M + m) g/(k A); v' = -mu N/(M + m)."""
+    M, m, k, mu, first = 1.0, 0.5, 200.0, 0.3, -0.2
+    box, start = Hopper(M, m, k, ss.Coulomb(mu, mu)), {"x": {"stretch": first}, "v": {"x": 5.0}}
+    swing, omega = -first - m * G / k, np.sqrt(k / m)
+    run = agrees(box, start, 1.0, Status.LOST.sentence)
+    end = np.arccos(-(M + m) * G / (k * swing)) / omega
+    assert run.t[-1] == pytest.approx(end, abs=1e-12) and run.events[-1].kind == "contact lost"
+    assert np.allclose(run.load[:, 0], (M + m) * G + k * swing * np.cos(omega * run.t), rtol=0, atol=1e-11)
+    lost = mu * (G * end + k * swing * np.sin(omega * end) / (M + m) / omega)
+    assert run.v[-1, 0] == pytest.approx(5.0 - lost, abs=1e-12)
+    rests = ss.solve(box, duration=1.0, start={"x": {"stretch": first}})
+    assert rests.lost_contact and rests.t[-1] == pytest.approx(end, abs=1e-12) and rests.v[-1, 0] == 0.0
+    assert np.allclose(run.bodies["box"].z, 0.0, rtol=0, atol=1e-14)
 
 
 @dataclass(frozen=True, eq=False)
@@ -290,6 +350,12 @@ def test_a_bead_on_a_curved_wire_turns_where_the_integral_says():
         ({}, ss.friction.LuGre.example(), "has inner states"),
         ({}, ss.Coulomb(0.1, 0.1, f_plus=0.2, f_minus=0.2), "static friction above kinetic is not there yet"),
         ({"contacts": both}, ss.Coulomb(0.1, 0.1), "solved for where it is the only contact"),
+        ({"contacts": lambda self: {"foot": ss.Contact("cart", self.friction, hold="push")}}, ss.Coulomb(0.1, 0.1), "never leaves it"),
+        (
+            {"contacts": lambda self: {"foot": ss.Contact("bob", self.friction, hold="push", restitution=0.5)}},
+            ss.Coulomb(0.1, 0.1),
+            "contacts that land again are not there yet",
+        ),
         ({"contacts": lambda self: rail(self, "bob", on="cart")}, ss.Coulomb(0.1, 0.1, f_plus=0.2, f_minus=0.2), "static friction above"),
         ({"contacts": lambda self: rail(self, "bob", on=0.1)}, ss.Coulomb(0.1, 0.1), "do not move"),
         ({"contacts": lambda self: rail(self, "cart", on=0.1)}, ss.Coulomb(0.1, 0.1), "do not move"),

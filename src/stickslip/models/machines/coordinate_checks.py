@@ -107,16 +107,20 @@ def _check_contact(name: Any, contact: Any, machine: Any, problems: Problems) ->
     of_body = isinstance(contact.body, str) and contact.body in bodies
     if isinstance(contact.on, str) and not (of_body and contact.on in bodies and contact.on != contact.body):
         problems.add(f"{where}.on = {contact.on!r}; allowed is another body, for a contact of a body; {did_you_mean(contact.on, bodies)}")
-    if contact.hold not in (None, "both"):
-        problems.add(f'{where}.hold = {contact.hold!r}; contacts that lift off are not there yet; allowed is "both"; type hold="both"')
+    if contact.hold not in (None, "both", "push"):
+        problems.add(f'{where}.hold = {contact.hold!r}; allowed are "both", a rail, and "push", the ground; type hold="both"')
+    elif contact.hold == "push" and contact.load is not None:
+        problems.add(
+            f"{where}.load = {contact.load!r}; allowed is none, for on ground that pushes it follows from the motion; leave load out"
+        )
     if contact.load is None:
-        rail = '; or a rail that holds it on both sides: type hold="both"' if of_body else ""
+        rail = '; or hold="both", a rail that holds it on both sides, or hold="push", ground that it may leave' if of_body else ""
         if contact.hold is None or not of_body:
             problems.add(f"{where}.load is not given; allowed is a force [N], or a function of time and coordinates; type load=1.0{rail}")
     elif not callable(contact.load):
         checked_number(f"{where}.load", contact.load, problems, None, "a force [N], or a function of time and coordinates", "load=1.0")
     if contact.restitution is not None:
-        problems.add(f"{where}.restitution = {contact.restitution!r}; contacts that lift off are not there yet; type restitution=None")
+        problems.add(f"{where}.restitution = {contact.restitution!r}; contacts that land again are not there yet; type restitution=None")
     own = Problems(problems.what)
     check_law(contact.friction, own)
     for sentence in own.mistakes:
@@ -201,6 +205,11 @@ def _check_row(name: str, contact: PlacedContact, problems: Problems) -> None:
         against = "it against what it rubs on" if contact.of_body else "it"
         problems.add(
             f'{where}: no coordinate moves {against}, so that nothing decides its slip; type ss.Contact({{"x": 1.0}}, law, load=1.0)'
+        )
+    elif contact.pushes and not contact.keeps_height:
+        problems.add(
+            f"{where}: no coordinate lifts {given.body!r} off the ground, so that it never leaves it; "
+            'type hold="both", or name a coordinate that lifts it'
         )
     elif contact.keeps_height and contact.rubs_on_body:
         own = ", ".join(repr(contact.mechanics.bodies[j]) for j in nature.moves)

@@ -102,8 +102,9 @@ class Contact(Frozen):
     at : tuple of float, optional
         The point of the body in its own axes, from its place [m], where `places` gives an angle.
     hold : optional
-        "both": a rail that holds the body on both sides, so that it slips along the way that its one coordinate leaves it. For machines
-        with `places`.
+        "both": a rail that holds the body on both sides, so that it slips along the way that its one coordinate leaves it, or along x.
+        "push": ground at z = 0 that pushes the point and does not pull it; a run ends where the load falls to zero. The load follows from
+        the motion in both cases. For machines with `places`.
 
     Examples
     --------
