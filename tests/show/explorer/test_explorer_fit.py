@@ -18,7 +18,7 @@ from stickslip.basics.errors import InputError
 from stickslip.show.explorer.frames import unpacked
 from stickslip.show.explorer.log_choices import choices_of
 from stickslip.show.explorer.log_fits import Fitters
-from stickslip.show.explorer.log_uploads import plan_response, record_response, unpacked_record
+from stickslip.show.explorer.log_uploads import plan_response, record_response, unpacked_records
 from stickslip.show.explorer.upload_reading import Reader
 
 F, V_S = 3.4, 8e-4  # the truth of the rig, with a kinetic friction of 2.4 N
@@ -51,16 +51,18 @@ def page(explorer):
         made.context.close()
 
 
-def drop(page, name, text):
+def drop(page, files):
     page.page.evaluate(
-        """([name, text]) => { const data = new DataTransfer(); data.items.add(new File([text], name));
+        """files => { const data = new DataTransfer();
+             for (const [name, text] of Object.entries(files)) data.items.add(new File([text], name));
              window.dispatchEvent(new DragEvent("drop", {dataTransfer: data, bubbles: true, cancelable: true})); }""",
-        [name, text],
+        files,
     )
 
 
 def test_a_drop_and_a_click_give_friction_whose_intervals_hold_the_truth(page, tmp_path, monkeypatch, capsys):
-    drop(page, "rig.csv", rig_rows())
+    files = {"rig.csv": rig_rows(4.0), "again.csv": rig_rows(3.0, 1)}
+    drop(page, files)
     page.page.locator("#fit-columns [data-state=check]", has_text="kraft").wait_for()
     assert page.page.get_by_label("unit of kraft").input_value() == "N"
     assert page.page.get_by_label("role of weg").input_value() == "position"
@@ -71,16 +73,18 @@ def test_a_drop_and_a_click_give_friction_whose_intervals_hold_the_truth(page, t
     intervals = {name: re.match(r"(\S+) to (\S+)", text).groups() for name, text in cells}
     assert all(float(intervals[name][0]) < truth < float(intervals[name][1]) for name, truth in {"mu": 2.4, "f": F, "v_s": V_S}.items())
     drawn = page.page.locator("#fit-pictures img")
-    assert drawn.count() == 3 and all(drawn.nth(k).evaluate("image => image.decode().then(() => image.naturalWidth)") > 0 for k in range(3))
+    assert drawn.count() == 6 and all(drawn.nth(k).evaluate("image => image.decode().then(() => image.naturalWidth)") > 0 for k in range(6))
+    assert page.page.locator("#fit-pictures figcaption", has_text="again.csv").count() == 3
     assert page.page.evaluate("document.documentElement.scrollWidth <= innerWidth")
-    (tmp_path / "rig.csv").write_text(rig_rows())
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
     monkeypatch.chdir(tmp_path)
     exec(page.page.locator("#fit-python").inner_text(), {})  # the Python makes the same numbers
     assert " to ".join(intervals["v_s"]) in capsys.readouterr().out
 
 
 def test_a_fit_can_be_stopped_and_the_page_stays_usable_meanwhile(page):
-    drop(page, "long.csv", rig_rows(60.0))
+    drop(page, {"long.csv": rig_rows(60.0)})
     page.page.locator("#fit-name", has_text="long.csv").wait_for()
     page.page.locator("#fit-columns [data-state=check]").first.wait_for()
     page.page.locator("#fit-start").click()
@@ -94,7 +98,8 @@ def test_a_fit_can_be_stopped_and_the_page_stays_usable_meanwhile(page):
 
 def test_a_record_of_another_frequency_is_said_and_the_model_takes_it_on_a_click(page):
     t = np.arange(0, 1.5, 1e-3)
-    drop(page, "v.csv", "t [s],v [mm/s]\n" + "\n".join(f"{a:.4f},{3 + 20 * np.sin(2 * np.pi * 58 * a):.5f}" for a in t))
+    rows = "\n".join(f"{a:.4f},{3 + 20 * np.sin(2 * np.pi * 58 * a):.5f}" for a in t)
+    drop(page, {"v.csv": f"t [s],v [mm/s]\n{rows}"})
     page.page.locator("#record-frequency", has_text="58 Hz, the model 32.7 Hz").wait_for()
     with page.change():
         page.page.locator("#record-frequency-take").click()
@@ -120,11 +125,37 @@ def test_a_log_is_proposed_with_its_machine_and_what_is_missing(text, wish, mach
 
 
 def test_the_process_that_fits_gets_every_number_of_the_record():
-    record = unpacked_record(record_response("../../a.csv", rig_rows(0.1).encode(), {"units": {"kraft": "mN", "weg": "mm", "time": "ms"}}))
+    wish = {"units": {"kraft": "mN", "weg": "mm", "time": "ms"}}
+    (record,) = unpacked_records(record_response("../../a.csv", rig_rows(0.1).encode(), wish))
     assert record.source["path"] == "a.csv" and [c.unit for c in record.channels.values()] == ["mm", "mN"]
     cells = np.array([line.split(",") for line in rig_rows(0.1).splitlines()[1:]], float)
     found = np.stack([record["weg"].t, record["weg"].values, record["kraft"].values], axis=1)
     assert np.array_equal(found, cells) and record["kraft"].si == pytest.approx(1e-3 * cells[:, 2])
+
+
+def test_files_of_one_machine_are_fitted_together_whatever_their_columns_are_called():
+    parts = {"a.csv": rig_rows(0.2).encode(), "b.csv": rig_rows(0.1, 1).replace("kraft", "F [N]").encode()}
+    together, wish = b"".join(parts.values()), {"files": [[name, len(data)] for name, data in parts.items()]}
+    header, _ = unpacked(plan_response("a.csv", together, wish))
+    assert header["machine"] == "rig" and not header["problem"] and header["units"] == {"time": "s", "weg": "mm", "kraft": "N"}
+    assert [c["name"] for c in header["channels"]] == ["time", "weg", "kraft", "F"]
+    sent = unpacked_records(record_response("a.csv", together, wish | {"units": header["units"]}))
+    assert [record.source["path"] for record in sent] == ["a.csv", "b.csv"] and [len(record["force"].si) for record in sent] == [50, 25]
+    with pytest.raises(InputError, match="other lengths"):
+        plan_response("a.csv", together[:-1], wish)
+    damaged = {"files": [["a.csv", len(together) - 3], ["b.csv", 3]]}
+    with pytest.raises(InputError, match=r"b\.csv: "):
+        plan_response("a.csv", together[:-3] + b"abc", damaged)
+
+
+def test_robots_of_several_files_have_their_own_amplitudes():
+    rows = ["t [s],v [mm/s]\n" + "\n".join(f"{k / 1000},{np.sin(2 * np.pi * f * k / 1000):.6f}" for k in range(400)) for f in (50, 60)]
+    wish = {"files": [["a.csv", len(rows[0])], ["b.csv", len(rows[1])]], "numbers": {"amplitude": [5e-4, 8e-4], "tilt_deg": 2}}
+    header, _ = unpacked(plan_response("a.csv", "".join(rows).encode(), wish))
+    fields = {field["name"]: field for field in header["numbers"]}
+    assert not header["problem"] and fields["amplitude"]["each"] and fields["frequency"]["assumed"] == "50 Hz, 60 Hz"
+    with pytest.raises(InputError, match="amplitude has 3 numbers and there are 2 files"):
+        plan_response("a.csv", "".join(rows).encode(), wish | {"numbers": {"amplitude": [1.0, 2.0, 3.0]}})
 
 
 # what is hostile ----------------------------------------------------------------------------------------------------
@@ -134,7 +165,8 @@ def test_the_process_that_fits_gets_every_number_of_the_record():
     "wish",
     [None, [], {"units": []}, {"units": {"a": 1}}, {"numbers": {"a": "1"}}, {"numbers": {"a": True}}, {"law": ["lugre"]},
          {"machine": 300 * "a"},
-     {"roles": {f"c{k}": "force" for k in range(100)}}],
+     {"roles": {f"c{k}": "force" for k in range(100)}}, {"numbers": {"a": []}}, {"files": [["a.csv"]]}, {"files": [["a.csv", -1]]},
+     {"files": 40 * [["a.csv", 0]]}, {"files": "a.csv"}],
 )  # fmt: skip
 def test_choices_that_are_none_are_refused(wish):
     with pytest.raises(InputError):

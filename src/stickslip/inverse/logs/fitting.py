@@ -53,7 +53,7 @@ def fit(
         "coulomb-static" or "lugre".
     numbers : dict, optional
         What is known of the machine, in SI units: ``{"load": 20.0}``, ``{"amplitude": 5e-4, "tilt_deg": 1.7}``,
-        ``{"motor_constant": 0.05}``.
+        ``{"motor_constant": 0.05}``; of shaken robots a list has one for each file: ``{"amplitude": [5e-4, 8e-4], "tilt_deg": 1.7}``.
     asymmetric : bool
         A coefficient for each direction.
     units, roles : dict, optional

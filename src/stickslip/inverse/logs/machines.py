@@ -72,6 +72,7 @@ class Kind(ABC):
     advises: bool = True  # whether `Fit.next_experiment` knows records of this kind
     takes: ClassVar[dict[str, str]] = {}  # numbers that may be typed, with what they are
     needs: ClassVar[dict[str, str]] = {}  # those of them without which nothing can be fitted, with an example
+    by_file: ClassVar[frozenset[str]] = frozenset()  # those that may differ from file to file
 
     @abstractmethod
     def suits(self, rec: Record) -> str:
@@ -268,6 +269,7 @@ class Shaken(Kind):
         "body_mass": "[kg]", "inner_mass": "[kg]",
     }  # fmt: skip
     needs: ClassVar[dict[str, str]] = {"amplitude": "5e-4", "tilt_deg": "1.7"}
+    by_file: ClassVar[frozenset[str]] = frozenset(takes)
     _free: ClassVar[dict[str, tuple[Any, ...]]] = {"mu0": (0.01, 1.0), "f0": (0.01, 1.5), "v_s": (1e-4, 0.1, "log")}
     _of: ClassVar[dict[str, tuple[str, ...]]] = {"coulomb": ("mu0",), "coulomb-static": ("mu0", "f0"), "lugre": ("mu0", "f0", "v_s")}
 
@@ -279,7 +281,8 @@ class Shaken(Kind):
 
     def assumed(self, records: Sequence[Record], given: dict[str, Any]) -> dict[str, tuple[str, str]]:
         """Numbers that nobody gave: name -> (value in words, why)."""
-        assumed = {} if "frequency" in given else {"frequency": (f"{self._frequency(records[0]):.6g} Hz", "the line of the record")}
+        lines = [] if "frequency" in given else [f"{self._frequency(rec):.6g} Hz" for rec in records]
+        assumed = {"frequency": (", ".join(dict.fromkeys(lines)), "the line of the record")} if lines else {}
         defaults = {name: p.default for name, p in inspect.signature(piezo_rig).parameters.items()}
         return assumed | {name: (f"{defaults[name]:g} kg", "the paper's robot") for name in ("body_mass", "inner_mass")}
 
@@ -288,6 +291,21 @@ class Shaken(Kind):
 
     def task(self, records: Sequence[Record], law: str, given: dict[str, Any], asymmetric: bool) -> Task:
         """How a law is fitted."""
-        hertz = float(given["frequency"] if "frequency" in given else self._frequency(records[0]))
-        own = {name: float(value) for name, value in given.items() if name != "frequency"} | {"omega": 2 * math.pi * hertz, "law": law}
+        hertz = given["frequency"] if "frequency" in given else [self._frequency(rec) for rec in records]
+        own = {name: scaled(value) for name, value in given.items() if name != "frequency"}
+        own |= {"omega": scaled(hertz, 2 * math.pi), "law": law}
         return Task(piezo_rig, "ss.presets.piezo_rig", {name: self._free[name] for name in self._of[law]}, own)
+
+
+def scaled(value: Any, by: float = 1.0) -> float | list[float]:
+    """A number times a factor, or several, one for each file; several that are one number are that.
+
+    Examples
+    --------
+    >>> scaled(2, 3.0), scaled([1.0, 2.0], 2.0), scaled([1.0, 1.0])
+    (6.0, [2.0, 4.0], 1.0)
+    """
+    if not isinstance(value, (list, tuple)):
+        return by * float(value)
+    each = [by * float(v) for v in value]
+    return each[0] if len(set(each)) == 1 else each

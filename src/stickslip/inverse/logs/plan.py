@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError, Problems, did_you_mean
+from stickslip.basics.phrases import counted
 from stickslip.inverse.logs.kinds import kind_named, kinds_for
 from stickslip.inverse.logs.machines import Kind
 from stickslip.inverse.logs.proposals import Proposal, missing_units, of_channels, table
@@ -97,7 +98,7 @@ def plan_of(records: Sequence[Record], units: dict[str, str], roles: dict[str, s
     if kind is None:
         problem = problem or f'no machine suits the file: it needs {_WANTED}; type roles={{"...": "force"}} where a channel is one'
     elif not problem:
-        _check_numbers(kind, given)
+        _check_numbers(kind, given, len(records))
         problem = kind.lacks(records, given)
     return Plan(tuple(records), channels, given, kind, why, able, problem)
 
@@ -111,12 +112,20 @@ def _bare(records: Sequence[Record], suits: bool) -> str:
     return f"units are missing; type {typed_units(bare)} with the right ones" if bare else ""
 
 
-def _check_numbers(kind: Kind, given: dict[str, Any]) -> None:
+def _check_numbers(kind: Kind, given: dict[str, Any], files: int) -> None:
     problems = Problems("fit")
     for name, value in given.items():
+        many = isinstance(value, (list, tuple))
         if name not in kind.takes:
             able = ", ".join(f"{known} ({words})" for known, words in kind.takes.items())
             problems.add(f"numbers names {name!r}; {did_you_mean(name, kind.takes)}; a {kind.name} takes {able}")
-        elif not isinstance(value, (int, float)) or isinstance(value, bool):
+        elif many and name not in kind.by_file:
+            problems.add(f"{name} = {value!r} is several numbers; of a {kind.name} it is one for all files; type for example {name}=1.0")
+        elif many and len(value) != files:
+            problems.add(
+                f"{name} has {counted(len(value), 'number')} and there {'is' if files == 1 else 'are'} {counted(files, 'file')}; "
+                f"type one for each file, or one for all"
+            )
+        elif not all(isinstance(each, (int, float)) and not isinstance(each, bool) for each in (value if many else [value])):
             problems.add(f"{name} = {value!r} is not a number; type for example {name}=1.0")
     problems.check()

@@ -91,8 +91,6 @@ def missing_units(rec: Record) -> list[str]:
 
 def of_numbers(given: dict[str, Any], assumed: dict[str, tuple[str, str]]) -> list[Proposal]:
     """A line for each number that the user typed, and for each that was assumed: name -> (value in words, why)."""
-    lines = [
-        Proposal(name, f"{value:g}" if isinstance(value, float) else str(value), "typed", f"--set {name}=VALUE")
-        for name, value in given.items()
-    ]
+    each = {name: value if isinstance(value, (list, tuple)) else [value] for name, value in given.items()}
+    lines = [Proposal(name, ", ".join(f"{v:g}" for v in values), "typed", f"--set {name}=VALUE") for name, values in each.items()]
     return lines + [Proposal(name, value, why, f"--set {name}=VALUE") for name, (value, why) in assumed.items() if name not in given]

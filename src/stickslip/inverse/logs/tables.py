@@ -13,7 +13,7 @@ import numpy as np
 from stickslip.basics.errors import InputError
 from stickslip.basics.units import quantity_of, unit_named
 from stickslip.inverse.identification.constant_speeds import is_of_constant_speeds
-from stickslip.inverse.logs.machines import Rig, Shaken, Task, quantity_in
+from stickslip.inverse.logs.machines import Rig, Shaken, Task, quantity_in, scaled
 
 if TYPE_CHECKING:
     from stickslip.records.record import Record
@@ -45,6 +45,7 @@ class Speeds(Shaken):
     words = "a robot shaken by an inner mass: its mean speeds over settings of the drive, a row each"
     timed = False
     needs: ClassVar[dict[str, str]] = {"amplitude": "5e-4", "frequency": "40.0", "tilt_deg": "1.7"}
+    by_file: ClassVar[frozenset[str]] = frozenset()
 
     def suits(self, rec: Record) -> str:
         """What of a record speaks for it; empty where something is missing."""
@@ -71,8 +72,7 @@ class Speeds(Shaken):
             settings[name] = float(given[name]) if name in given else [float(x) for rec in records for x in _columns(rec)[name][1]]
             if isinstance(settings[name], list) and len(settings[name]) != rows:
                 raise InputError("fit", [f"{name} has {len(settings[name])} values and the speed {rows}; give a table with a row for each"])
-        frequency = settings.pop("frequency")
-        settings["omega"] = [2 * math.pi * f for f in frequency] if isinstance(frequency, list) else 2 * math.pi * frequency
+        settings["omega"] = scaled(settings.pop("frequency"), 2 * math.pi)
         made = super().task(records, law, {"frequency": 1.0}, asymmetric)
         return replace(made, options=settings | {"law": law}, values=_values, values_by=_expression(records))
 

@@ -1,6 +1,6 @@
 """Fits of logs that pages ask for, each in a process of its own, which is ended when the page no longer waits for it.
 
-What arrives there is what `log_uploads.record_response` makes of a file: numbers with names and units. No file of anybody is opened.
+What arrives there is what `log_uploads.record_response` makes of files: numbers with names and units. No file of anybody is opened.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Fitters:
             return child
 
     def fit(self, child: ChildProcess, wish: dict[str, Any], record: bytes) -> bytes:
-        """The response with the fit of a record; blocks until it is there, the deadline has passed, or the process is ended.
+        """The response with the fit of some records; blocks until it is there, the deadline has passed, or the process is ended.
 
         Parameters
         ----------
@@ -110,12 +110,13 @@ def _fitted(wish: dict[str, Any], data: bytes) -> dict[str, Any]:
     from stickslip.inverse.logs.plan import plan_of
     from stickslip.show.explorer.log_choices import choices_of
     from stickslip.show.explorer.log_results import result_of
-    from stickslip.show.explorer.log_uploads import unpacked_record
+    from stickslip.show.explorer.log_uploads import names_of, unpacked_records
 
-    choices, record = choices_of(wish), unpacked_record(data)
-    plan = plan_of([record], choices.units, choices.roles, choices.machine, choices.numbers)
-    reading = written(str(record.source["path"]), choices.units, choices.roles, {})
-    return result_of(fit_plan(plan, [reading], choices.law, choices.asymmetric))
+    choices, records = choices_of(wish), unpacked_records(data)
+    plan = plan_of(records, choices.units, choices.roles, choices.machine, choices.numbers)
+    own = [choices.of(names_of(record)) for record in records]
+    readings = [written(str(rec.source["path"]), of.units, of.roles, {}) for rec, of in zip(records, own, strict=True)]
+    return result_of(fit_plan(plan, readings, choices.law, choices.asymmetric))
 
 
 def _prepare() -> None:

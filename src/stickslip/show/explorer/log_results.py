@@ -19,6 +19,7 @@ from stickslip.inverse.identification.fit_text import (
 )
 from stickslip.inverse.logs.log_fit import over_motor_constant
 from stickslip.models.naming import description_of
+from stickslip.show.reports.log_figures import MOST_DRAWN, figures_of
 
 if TYPE_CHECKING:
     from stickslip.inverse.identification.fit import Fit
@@ -85,20 +86,28 @@ def _in_amperes(shown: Any) -> Any:
 
 
 def _pictures(fit: Fit) -> list[dict[str, str]]:
-    """Curve, friction against velocity and residuals of the first record, as SVG."""
+    """Curve, friction against velocity and residuals of each record, of many the first ones, as SVG."""
     from stickslip.show import figures
     from stickslip.show.reports.drawn import svg
-    from stickslip.show.reports.log_figures import figures_of
 
-    drawn = []
+    drawn, files = [], _drawn_records(fit)
     for name, heading in figures_of(fit).values():
         draw: Callable[..., Any] = getattr(figures, name)
-        drawn.append({"heading": heading, "svg": svg(partial(_on, draw, fit), _WIDTH, _HEIGHT, name, layout="constrained")})
+        for record, file in files.items():
+            picture = svg(partial(_on, draw, fit, record), _WIDTH, _HEIGHT, f"{name}{record}", layout="constrained")
+            drawn.append({"heading": f"{heading}: {file}" if len(files) > 1 else heading, "svg": picture})
     return drawn
 
 
-def _on(draw: Callable[..., Any], fit: Fit, ax: Any) -> None:
-    draw(fit, 0, ax=ax)
+def _drawn_records(fit: Fit) -> dict[int, str]:
+    """The records that have pictures of their own, with the names of their files; mean velocities are all in one."""
+    if all(t.kind == "mean" for t in fit.problem.targets):
+        return {0: ""}
+    return {i: str(record.source["path"]) for i, record in enumerate(fit.records[:MOST_DRAWN])}
+
+
+def _on(draw: Callable[..., Any], fit: Fit, record: int, ax: Any) -> None:
+    draw(fit, record, ax=ax)
 
 
 def _report(made: LogFit) -> str:

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     from stickslip.inverse.identification.fit import Fit
 
 
+MOST_DRAWN = 4  # records of which there are figures
+
 #: The figure of each file, with its heading: of forces over a motion, of forces at speeds, of angles under a command, and of motions over
 #: the drive's period.
 _FRICTION, _RESIDUALS = ("friction_curve", "Friction against velocity"), ("residuals_over_velocity", "Residuals")
@@ -40,7 +42,7 @@ def write_report(folder: Path, fit: Fit) -> list[Path]:
     for name, (draws, _) in figures_of(fit).items():
         with plot.publication():
             means = all(t.kind == "mean" for t in fit.problem.targets)  # all in one figure
-            count = 1 if means else min(len(fit.problem.targets), 4)
+            count = 1 if means else min(len(fit.problem.targets), MOST_DRAWN)
             figure = Figure(figsize=(4.4, 2.6 * count), layout="constrained")
             for record, ax in enumerate(figure.subplots(count, squeeze=False)[:, 0]):
                 getattr(plot, draws)(fit, record, ax=ax)

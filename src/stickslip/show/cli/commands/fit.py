@@ -31,7 +31,11 @@ A force over a motion is a friction rig, a torque or a current over an angle a j
         argument("--machine", metavar="NAME", help="rig, slider, joint or robot (default: what the file has)"),
         argument("--law", metavar="NAME", help="one law, such as stribeck (default: several are compared)"),
         argument(
-            "--set", action="append", metavar="NAME=VALUE", default=[], help="what is known: load=20, motor_constant=0.05, amplitude=5e-4"
+            "--set",
+            action="append",
+            metavar="NAME=VALUE",
+            default=[],
+            help="what is known: load=20, amplitude=5e-4; amplitude=5e-4,8e-4 for two files",
         ),
         argument("--asymmetric", action="store_true", help="a coefficient for each direction"),
         SENSOR,
@@ -65,7 +69,7 @@ def act(asked: Namespace) -> Outcome:
     from stickslip.show.cli.commands.identify import sensor_typed
 
     problems = Problems("fit")
-    numbers = settings(asked.set, False, problems)
+    numbers = settings(asked.set, True, problems)
     sensor = sensor_typed(asked.sensor, problems)
     problems.check()
     reading = {

@@ -1,14 +1,14 @@
-// Friction from a log: what its columns are taken for, as fields; its fit, which can be stopped; and what came out.
+// Friction from one log or several: what their columns are taken for, as fields; their fit, which can be stopped; and what came out.
 import { unpacked } from "./link.js";
 import { $ } from "./tools.js";
 
 const LARGEST = 20e6;
 const made = (tag, text = "", more = {}) => Object.assign(document.createElement(tag), { textContent: text }, more);
 const nothing = () => ({ units: {}, roles: {}, numbers: {}, machine: "", law: "", asymmetric: false });
-let file = null, choices = nothing(), planning = 0, fitting = null, result = null;
+let files = [], choices = nothing(), planning = 0, fitting = null, result = null;
 
 export function listen() {
-  $("fit-file").addEventListener("change", (event) => offer(event.target.files[0]));
+  $("fit-file").addEventListener("change", (event) => offer([...event.target.files]));
   $("fit-start").addEventListener("click", start);
   $("fit-stop").addEventListener("click", () => fitting?.abort());
   $("fit-machine").addEventListener("change", (event) => { choices.machine = event.target.value; choices.law = ""; choices.numbers = {}; plan(); });
@@ -18,15 +18,15 @@ export function listen() {
   $("fit-copy").addEventListener("click", copy);
 }
 
-// A log: it is read, and what is proposed becomes fields. Whether it can be fitted (where what is missing may be typed), and whether it
-// has a velocity that belongs beside the curves.
+// Logs: they are read, and what is proposed becomes fields. Whether they can be fitted (where what is missing may be typed), and whether
+// the first has a velocity that belongs beside the curves.
 export async function offer(given) {
-  if (!given) return { fits: false, beside: false };
+  if (!given.length) return { fits: false, beside: false };
   fitting?.abort();
-  file = given;
+  files = given;
   choices = nothing();
   $("fit-asymmetric").checked = false;
-  $("fit-name").textContent = file.name;
+  $("fit-name").textContent = files.map((each) => each.name).join(", ");
   $("fit-offer").hidden = true;
   stale();
   return plan();
@@ -50,9 +50,10 @@ async function plan() {
 }
 
 async function asked(where, options = {}) {
-  if (file.size > LARGEST) throw new Error("the file is larger than 20 MB; use stickslip fit in a shell");
-  const address = `${where}/${encodeURIComponent(file.name)}?choices=${encodeURIComponent(JSON.stringify(choices))}`;
-  const reply = await fetch(address, { method: "POST", body: file, ...options });
+  if (files.reduce((sum, each) => sum + each.size, 0) > LARGEST) throw new Error("the files are larger than 20 MB; use stickslip fit in a shell");
+  const several = files.length > 1 ? { files: files.map((each) => [each.name, each.size]) } : {};
+  const address = `${where}/${encodeURIComponent(files[0].name)}?choices=${encodeURIComponent(JSON.stringify({ ...choices, ...several }))}`;
+  const reply = await fetch(address, { method: "POST", body: new Blob(files), ...options });
   if (!reply.ok) throw new Error((await reply.text()).trim());
   const { header } = unpacked(await reply.arrayBuffer());
   if (header.kind === "problems") throw new Error(header.problems.join("; "));
@@ -108,17 +109,17 @@ const short = (x) => Number(x.toPrecision(3)).toString();
 
 function number(n) {
   const label = made("label", `${n.name.replaceAll("_", " ")}${n.needed ? " (needed)" : ""}`), input = made("input", "", { type: "text", inputMode: "decimal", autocomplete: "off" });
-  input.value = n.typed ?? "";
+  input.value = [n.typed ?? ""].flat().join("; ");
   input.placeholder = n.needed ? `such as ${n.example}` : n.assumed;
   if (n.needed && n.typed === null) input.setAttribute("aria-invalid", "true");
   input.addEventListener("change", () => {
-    const text = input.value.trim().replace(",", "."), value = Number(text);
-    if (text && !Number.isFinite(value)) { input.setAttribute("aria-invalid", "true"); return say(`${n.name}: ${input.value} is not a number`); }
-    if (text) choices.numbers = { ...choices.numbers, [n.name]: value };
+    const text = input.value.trim().replaceAll(",", "."), values = text.split(";").map((part) => (part.trim() ? Number(part) : NaN));
+    if (text && !values.every(Number.isFinite)) { input.setAttribute("aria-invalid", "true"); return say(`${n.name}: ${input.value} is not a number`); }
+    if (text) choices.numbers = { ...choices.numbers, [n.name]: values.length > 1 ? values : values[0] };
     else delete choices.numbers[n.name];
     plan();
   });
-  label.append(input, made("small", n.typed === null && n.why ? `${n.words}: ${n.why}` : n.words));
+  label.append(input, made("small", `${n.typed === null && n.why ? `${n.words}: ${n.why}` : n.words}${n.each ? "; one for all files, or one for each, such as 1; 2" : ""}`));
   return label;
 }
 
@@ -196,7 +197,7 @@ function lists(header) {
 // ---- taking home ----
 function save() {
   const address = URL.createObjectURL(new Blob([result.report], { type: "text/html" }));
-  Object.assign(document.createElement("a"), { href: address, download: `${file.name.replace(/\.[^.]*$/, "")}-friction.html` }).click();
+  Object.assign(document.createElement("a"), { href: address, download: `${files[0].name.replace(/\.[^.]*$/, "")}-friction.html` }).click();
   setTimeout(() => URL.revokeObjectURL(address), 10_000);
 }
 

@@ -237,9 +237,9 @@ $("zoom-out").addEventListener("click", () => velocity.zoom(2));
 $("zoom-all").addEventListener("click", () => velocity.zoom(0));
 
 // ---- a record ----
-async function load(file) {
-  if (!file) return;
-  const { fits, beside } = await fit.offer(file);
+async function load(files) {
+  if (!files.length) return;
+  const { fits, beside } = await fit.offer(files), file = files[0];
   if (!beside) { // a log of another machine: only its friction is of interest
     forgetRecord();
     say("");
@@ -270,7 +270,7 @@ function frequencies() {
 }
 $("record-fit").addEventListener("click", () => $("fit").scrollIntoView({ block: "start" }));
 fit.listen();
-$("record").addEventListener("change", (event) => load(event.target.files[0]));
+$("record").addEventListener("change", (event) => load([...event.target.files]));
 $("record-off").addEventListener("click", forgetRecord);
 $("record-drive").addEventListener("click", async () => {
   try {
@@ -289,7 +289,7 @@ addEventListener("dragleave", (event) => { if (!event.relatedTarget) $("velocity
 addEventListener("drop", (event) => {
   event.preventDefault();
   $("velocity-panel").classList.remove("dropping");
-  load(event.dataTransfer.files[0]);
+  load([...event.dataTransfer.files]);
 });
 
 // ---- taking home ----
