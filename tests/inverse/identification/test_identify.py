@@ -463,7 +463,17 @@ def test_compare_takes_laws_of_any_kind_and_says_what_it_cannot():
     found = ss.compare(rec, robot, laws={"mine": ss.Coulomb(0.15, 0.21), "own": "coulomb"})
     assert [row.label for row in found.laws] == ["mine", "own"] and found.best.label == "own"
     with pytest.raises(InputError, match="give the law itself"):
-        ss.compare(rec, robot, laws=["lugre"])
+        ss.compare(rec, robot, laws=["ratestate"])
+
+
+def test_compare_fits_the_numbers_that_the_robot_does_not_have():
+    truth = rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb")
+    robot = truth.replace(friction=ss.friction.Viscous(0.5))  # which has no coefficient of friction
+    found = ss.compare(ss.virtual_rig(truth, noise=1e-4, seed=2), robot, laws=["coulomb"])
+    assert found["Coulomb"].rms == pytest.approx(1e-4, rel=0.05)
+    assert found["Coulomb"].model.friction.mu_plus == pytest.approx(truth.friction.mu_plus, rel=1e-3)
+    assert found["Coulomb"].model.friction.mu_minus == pytest.approx(truth.friction.mu_minus, rel=1e-3)
+    assert any("Coulomb: the robot does not have its numbers; those that fit this record best are mu_plus = 0.15" in n for n in found.notes)
 
 
 # reports and the command line -------------------------------------------------------------------------------------

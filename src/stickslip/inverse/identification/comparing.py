@@ -18,6 +18,7 @@ from stickslip.basics.lazy_names import typed_name
 from stickslip.basics.notebook_display import Drawn, Text
 from stickslip.basics.presenting import presenter
 from stickslip.basics.progress import Reported, reporting
+from stickslip.inverse.identification.fitted_laws import SOUGHT, with_fitted_law
 from stickslip.inverse.identification.steady_curves import SteadyCurve, steady_curve
 from stickslip.inverse.identification.steady_problem import best_phase, modelled_values
 from stickslip.inverse.identification.targets import Target, target
@@ -162,7 +163,8 @@ def compare(
 ) -> Comparison:
     """Compare a record with several friction laws for one robot: curves aligned in phase, mean velocities, rms, events and motion types.
 
-    Each law's curve is shifted in the drive's phase until it fits the record best; nothing else is fitted.
+    Each law's curve is shifted in the drive's phase until it fits the record best; nothing else of it is fitted, except for laws that are
+    named and whose numbers the robot does not have: those are fitted to the record, by an ideal sensor, and a note says so.
 
     Parameters
     ----------
@@ -171,7 +173,8 @@ def compare(
         The robot that was measured.
     laws : list, or dict of label -> law, optional
         Laws; or names: that of the robot's own law, or "coulomb" for Coulomb friction at the robot's kinetic coefficients (Eq. 2.4). A
-        complete robot may be given instead of a law. None is these two: the laws whose numbers the robot has.
+        complete robot may be given instead of a law. None is these two: the laws whose numbers the robot has. Of "coulomb",
+        "coulombviscous", "stribeck", "dahl" and "lugre" the numbers are fitted to the record where the robot does not have them.
     using : {"auto", "velocity", "position"}
     frequency : float, optional
         Drive frequency [Hz]; otherwise it is refined from the record.
@@ -196,7 +199,8 @@ def compare(
     >>> found.best.label, found["Coulomb"].type, found["LuGre"].r2 > 0.9999
     ('LuGre', 'II', True)
     """
-    robots = _robots(record, robot, laws)
+    how = {"using": using, "frequency": frequency, "noise": noise, "settle": settle, "rtol": rtol}
+    robots, fitted = _robots(record, robot, laws, how)
     whole = record
     record, _, said = settled(record, settle, frequency)
     measured_target = target(record, using, noise, frequency, "record", 0)
@@ -213,15 +217,16 @@ def compare(
     best = min(rows, key=lambda row: row.rms).label
     measured = _measured(record, measured_target, shifts[best])
     early = [ending.note(f"{len(curves)} of {len(robots)} laws are compared")] if ending.interrupted else []
-    notes = [*early, *_notes(record, robot, measured_target, curves), *_words(measured, rows)]
+    notes = [*early, *fitted, *_notes(record, robot, measured_target, curves), *_words(measured, rows)]
     return Comparison(
         measured, rows, measured_target.sigma, measured_target.kind,
         (np.mod(measured_target.phase + shifts[best], 1.0), measured_target.y), (*filter(None, (said, measured_target.cut)), *notes), whole,
     )  # fmt: skip
 
 
-def _robots(record: Record, robot: Model, laws: Any) -> dict[str, Any]:
-    problems = Problems("compare")
+def _robots(record: Record, robot: Model, laws: Any, how: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
+    """The robots with each law by their labels, and a sentence for each law that was fitted; `how` says what is compared."""
+    problems, notes = Problems("compare"), list[str]()
     robots: dict[str, Any] = {}
     if not isinstance(record, Record):
         problems.add(f"record = {record!r}; allowed is a Record; type for example ss.read(path)")
@@ -232,15 +237,17 @@ def _robots(record: Record, robot: Model, laws: Any) -> dict[str, Any]:
         )
     laws = _with_numbers(robot) if laws is None else laws
     pairs = list(laws.items()) if isinstance(laws, dict) else [(None, law) for law in ([laws] if isinstance(laws, str) else laws)]
-    for label, law in pairs:
-        model = _with_law(robot, law, problems)
-        if model is not None:
-            name = label or law_of(model).name
-            robots[name if name not in robots else f"{name} ({len(robots) + 1})"] = model
+    models = [(label, _with_law(robot, law, problems)) for label, law in pairs]
     if not pairs:
         problems.add('laws is empty; type for example laws=["coulomb", "lugre"]')
     problems.check()
-    return robots
+    for label, model in models:
+        if isinstance(model, type):
+            model, said = with_fitted_law(model, robot, record, **how)
+            notes.append(said)
+        name = label or law_of(model).name
+        robots[name if name not in robots else f"{name} ({len(robots) + 1})"] = model
+    return robots, notes
 
 
 def _with_numbers(robot: Any) -> list[Any]:
@@ -250,6 +257,7 @@ def _with_numbers(robot: Any) -> list[Any]:
 
 
 def _with_law(robot: Any, law: Any, problems: Problems) -> Any:
+    """The robot with a law; the class of a law whose numbers are to be fitted."""
     own = type(robot.friction).__name__.lower()
     if hasattr(law, "friction"):
         return law
@@ -257,18 +265,18 @@ def _with_law(robot: Any, law: Any, problems: Problems) -> Any:
         return robot.replace(friction=law)
     if law.lower() == own:
         return robot
-    if law.lower() == "coulomb":
-        twin = coulomb_twin(robot)
-        if twin is not None:
-            return twin
-    if law.lower() in LAWS:
+    twin = coulomb_twin(robot) if law.lower() == "coulomb" else None
+    if twin is not None:
+        return twin
+    cls = LAWS.get(law.lower())
+    if cls is None:
+        problems.add(f"laws names {law!r}; {did_you_mean(law, LAWS)}")
+    elif cls not in SOUGHT:
         problems.add(
             f"laws names {law!r}, whose numbers the robot (with {own}) does not have; "
-            f"give the law itself, with its numbers: laws=[{typed_name(LAWS[law.lower()].__name__)}(...)] in Python"
+            f"give the law itself, with its numbers: laws=[{typed_name(cls.__name__)}(...)] in Python"
         )
-    else:
-        problems.add(f"laws names {law!r}; {did_you_mean(law, LAWS)}")
-    return None
+    return cls
 
 
 def _row(label: str, model: Model, curve: SteadyCurve, target_of: Target, shift: float) -> ComparisonRow:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     arguments=(
         *ROBOT,
         argument("--record", metavar="FILE", required=True, help="the measured record"),
-        argument("--laws", metavar="A,B", help="laws (default: those whose numbers the robot has: Coulomb, and its own)"),
+        argument("--laws", metavar="A,B", help="laws (default: those whose numbers the robot has; of others they are fitted)"),
         *RECORDS,
         argument("--report", metavar="FILE", ends=(".html",), help="write an offline HTML page (.html)"),
         argument("--figure", metavar="FILE", ends=FIGURES, help="draw record and laws (.png, .svg or .pdf)"),
