@@ -292,7 +292,7 @@ class Shaken(Kind):
     def task(self, records: Sequence[Record], law: str, given: dict[str, Any], asymmetric: bool) -> Task:
         """How a law is fitted."""
         hertz = given["frequency"] if "frequency" in given else [self._frequency(rec) for rec in records]
-        own = {name: scaled(value) for name, value in given.items() if name != "frequency"}
+        own: dict[str, Any] = {name: scaled(value) for name, value in given.items() if name != "frequency"}
         own |= {"omega": scaled(hertz, 2 * math.pi), "law": law}
         return Task(piezo_rig, "ss.presets.piezo_rig", {name: self._free[name] for name in self._of[law]}, own)
 
