@@ -245,3 +245,17 @@ def test_every_report_of_forces_over_a_motion_says_whether_friction_is_symmetric
         assert found.asymmetric and abs(found.half + 0.15) < 4 * found.error and f"symmetry: {found}" in fit.report()
     own = ss.identify(rec, lambda mu: ss.Coulomb(mu), free={"mu": (1.0, 5.0)}, using="force", load=1.0, starts=2)
     assert own.symmetry == () and "symmetry" not in own.report()  # nobody knows what a user's own function makes of it
+
+
+def test_a_level_robot_whose_friction_differs_by_direction_is_fitted_with_both_coefficients():
+    drive, law = ss.Harmonic(amplitude=4e-4, frequency=40.0), ss.Coulomb(0.09, 0.15)
+    rec = ss.virtual_rig(ss.Robot(0.05, 0.02, drive, law), noise=2e-4, seed=3)
+    log = {"t_s": rec["velocity"].time, "v_m_s": rec["velocity"].si}
+    numbers = {"amplitude": 4e-4, "tilt_deg": 0.0, "body_mass": 0.05, "inner_mass": 0.02, "frequency": 40.0}
+    result = ss.fit(log, law="coulomb", numbers=numbers, asymmetric=True, starts=4)
+    for name, truth in (("mu_plus", 0.09), ("mu_minus", 0.15)):
+        low, high = result.fit.interval(f"friction.{name}", level=0.999)
+        assert low < truth < high < 1.2 * low
+    assert "incline='gravity'" in result.python and "friction.mu_minus" in result.python
+    with pytest.raises(ss.InputError, match="amplitude differ from file to file"):
+        ss.fit([log, log], law="coulomb", numbers=numbers | {"amplitude": [4e-4, 5e-4]}, asymmetric=True)

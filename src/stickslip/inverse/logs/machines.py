@@ -284,7 +284,7 @@ class Shaken(Kind):
         lines = [] if "frequency" in given else [f"{self._frequency(rec):.6g} Hz" for rec in records]
         assumed = {"frequency": (", ".join(dict.fromkeys(lines)), "the line of the record")} if lines else {}
         defaults = {name: p.default for name, p in inspect.signature(piezo_rig).parameters.items()}
-        return assumed | {name: (f"{defaults[name]:g} kg", "the paper's robot") for name in ("body_mass", "inner_mass")}
+        return assumed | {name: (f"{defaults[name]:g} kg", "that of the paper's robot; type yours") for name in ("body_mass", "inner_mass")}
 
     def _frequency(self, rec: Record) -> float:
         return float(rec.drive_frequency().value)
@@ -294,7 +294,20 @@ class Shaken(Kind):
         hertz = given["frequency"] if "frequency" in given else [self._frequency(rec) for rec in records]
         own: dict[str, Any] = {name: scaled(value) for name, value in given.items() if name != "frequency"}
         own |= {"omega": scaled(hertz, 2 * math.pi), "law": law}
+        if asymmetric:
+            return self._by_sides(own)
         return Task(piezo_rig, "ss.presets.piezo_rig", {name: self._free[name] for name in self._of[law]}, own)
+
+    def _by_sides(self, own: dict[str, Any]) -> Task:
+        """With coefficients of each direction: the tilt of the track is gravity then, and not part of them."""
+        if lists := [name for name, value in own.items() if isinstance(value, list)]:
+            problem = f"{' and '.join(lists)} differ from file to file, and asymmetric=True takes numbers that all files share"
+            raise InputError("fit", [f"{problem}; type each file alone, or leave asymmetric out"])
+        own = own | {"incline": "gravity"}
+        free = {f"friction.{name}": self._free[f"{name}0"] for name in ("mu", "f") if f"{name}0" in self._of[own["law"]]}
+        free |= {"friction.v_s": self._free["v_s"]} if "v_s" in self._of[own["law"]] else {}
+        typed = ", ".join(f"{name}={value!r}" for name, value in own.items())
+        return Task(piezo_rig(**own), f"ss.presets.piezo_rig({typed})", _sides(free, asymmetric=True))
 
 
 def scaled(value: Any, by: float = 1.0) -> float | list[float]:
