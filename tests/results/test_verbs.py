@@ -46,6 +46,8 @@ def test_a_cycle_moves_as_a_run_that_ends_on_it():
 def test_a_printed_run_says_how_fast_it_is_and_how_it_moves():
     run = ss.solve(RIG, periods=40)
     assert f"mean velocity {ss.mean_velocity(run):.6g} m/s, type {ss.motion(run).type}, steady" in repr(run)
+    ride = ss.solve(BELT, duration=60)
+    assert f"mean velocity {ride.mean_velocity:.6g} m/s over the run" in repr(ride)  # the mean of its cycle is zero
     assert "not settled" in repr(ss.solve(ss.presets.two_modules(), periods=10))
     long = ss.solve(RIG, periods=1000)
     assert "mean velocity" in repr(long) and "type" not in repr(long)  # which would take as long as solving it

@@ -591,7 +591,8 @@ class Trajectory(Drawn, Judged, RunFiles):
         words: dict[str, str] = {}
         numbers = float(self.pieces.t[-1] - self.pieces.t[0]) / self._step * len(self.pieces.layout.bodies)
         with suppress(StickslipError):
-            words["mean velocity"] = f"{self.mean_velocity:.6g} {unit_of('v', self.model)}"
+            whole = " over the run" * (self.model.period is None)  # its transient included; `motion` has that of the cycle
+            words["mean velocity"] = f"{self.mean_velocity:.6g} {unit_of('v', self.model)}{whole}"
             if numbers <= _AT_A_GLANCE:
                 words["motion"] = self.motion.brief
             if self.model.period is not None:
