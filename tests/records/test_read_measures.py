@@ -275,3 +275,16 @@ def test_a_body_at_rest_is_said_to_be_at_rest():
     for known in ({}, {"frequency": 5.0}):
         with pytest.raises(ss.InputError, match=r"'v'.* is 0 at all 400 samples: nothing moves"):
             ss.identify(rec, ss.presets.piezo_rig, free={"mu0": (0.05, 0.4)}, tilt_deg=1.7, amplitude=5e-4, law="coulomb", **known)
+
+
+def test_a_servo_log_has_no_drive_and_turns_in_radians(tmp_path, capsys):
+    from stickslip.show.cli import main
+
+    t = np.arange(4000) / 500
+    rows = "\n".join(f"{1e3 * a:.0f},{b:.3f},{c:.2f},31" for a, b, c in zip(t, np.sin(5 * t), 10 * np.cos(5 * t), strict=True))
+    path = tmp_path / "servo.csv"
+    path.write_text(f"time_ms,torque_Nm,vel_rpm,temp_C\n{rows}\n", encoding="utf-8")
+    main(["read", str(path)])
+    said = capsys.readouterr().out
+    assert "frequency of the motion 0.7957" in said and "rad/s" in said and "m/s" not in said
+    assert "temp_C=" not in said and "motion type" not in said  # a temperature is nobody's channel

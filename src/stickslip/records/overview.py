@@ -61,13 +61,19 @@ class Overview:
     aperiodic: str | None = None
 
     @property
+    def line_word(self) -> str:
+        """The name of the frequency: a record of a force, torque or current without a drive is of no shaken robot."""
+        roles = {c.role for c in self.lines}
+        return "frequency of the motion" if roles & {"force", "current"} and "drive" not in roles else "drive frequency"
+
+    @property
     def facts(self) -> dict[str, str]:
         """What there is to say of the whole record."""
         facts = {"format": self.format} if self.format else {}
         if self.frequency is not None:
-            facts["drive frequency"] = f"{self.frequency:.9g} ± {self.frequency_error:.2g} Hz"
+            facts[self.line_word] = f"{self.frequency:.9g} ± {self.frequency_error:.2g} Hz"
         elif self.aperiodic is not None:
-            facts["drive frequency"] = f"none: {self.aperiodic}"
+            facts[self.line_word] = f"none: {self.aperiodic}"
         return facts
 
     @property
@@ -95,9 +101,9 @@ class Overview:
                 + ", ".join([size, *(m for m in more if m)])
             )
         if self.frequency is not None:
-            rows.append(f"drive frequency {self.frequency:.9g} ± {self.frequency_error:.2g} Hz")
+            rows.append(f"{self.line_word} {self.frequency:.9g} ± {self.frequency_error:.2g} Hz")
         elif self.aperiodic is not None:
-            rows.append(f"no drive frequency: {self.aperiodic}")
+            rows.append(f"no {self.line_word}: {self.aperiodic}")
         return "\n".join([*rows, *(f"note: {note}" for note in self.notes)])
 
 

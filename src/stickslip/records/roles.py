@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.units import quantity_of, unit_named
-from stickslip.records.candidates import typed_units
+from stickslip.records.candidates import candidate_unit, typed_units
 from stickslip.records.channel import MEASURED, UNUSED, Channel
 from stickslip.records.overview import clipped, dead_zone, runs_of
 from stickslip.records.raw import RawColumn
@@ -63,6 +63,9 @@ def remarks(channels: list[Channel]) -> list[str]:
     """Facts about these channels that a user must know before using them."""
     notes: list[str] = []
     bare = {c.name: c.values for c in channels if c.unit is None}
+    if any(c.role is not None and c.unit is not None for c in channels):  # then a channel of no use, such as a temperature, takes no unit
+        roles = {c.name: c.role for c in channels}
+        bare = {name: values for name, values in bare.items() if roles[name] is not None or candidate_unit(name, values) != "1"}
     if bare:
         shown = ", ".join(map(repr, [*bare][:6])) + (", ..." if len(bare) > 6 else "")
         notes.append(f"no unit in the file for {shown}; type {typed_units(bare)} with the right one{'s' * (len(bare) > 1)}")

@@ -733,3 +733,28 @@ def test_the_effort_of_a_strip_along_the_frequency_is_told_case_by_case():
     assert np.allclose(np.broadcast_to(both[0], 2), [one[0] for one in each]) and np.allclose(
         np.broadcast_to(both[1], 2), [one[1] for one in each]
     )
+
+
+class _Ready:
+    """Kernels of some laws."""
+
+    def __init__(self, *laws):
+        self._laws = laws
+
+    def ready(self, subject, law, robot, many):
+        return law in self._laws
+
+
+def test_closed_arcs_are_drawn_before_a_law_with_inner_states_is_solved_without_its_kernel():
+    from stickslip.show.explorer.responses import sooner
+
+    asked = message(json.dumps({"channel": "curves", "id": 1, "state": {"law": "lugre", "also": ["coulomb"]}}))
+    header, arrays = unpacked(sooner(asked, _Ready(), lambda: False))
+    assert [law["name"] for law in header["laws"] if "waits" in law] == ["lugre", "coulomb"] and header["figures"] is None
+    assert {name.partition(".")[0] for name in arrays} == {"coulomb"}
+    exact = ss.solve(asked.state.robot("coulomb"), periods=6)
+    t = arrays["coulomb.t"] + exact.strobe_times[-1] - arrays["coulomb.t"][-1]
+    assert np.abs(arrays["coulomb.v"] - exact.at(np.minimum(t, exact.t[-1]))["v"]).max() < 1e-2 * exact.v.max()
+    assert sooner(asked, _Ready("lugre"), lambda: False) is None  # nothing slow is left
+    alone = message(json.dumps({"channel": "curves", "id": 1, "state": {"law": "lugre", "also": []}}))
+    assert sooner(alone, _Ready(), lambda: False) is None

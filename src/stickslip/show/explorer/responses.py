@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import time
 from collections.abc import Callable
@@ -12,6 +13,8 @@ import numpy as np
 from stickslip.analysis.motion import motion
 from stickslip.analysis.steady import mean_velocity
 from stickslip.basics.errors import InputError, StickslipError
+from stickslip.engine.remembered import Remembered
+from stickslip.models.friction.law_adapter import law_of
 from stickslip.show.explorer.chaos import exponent_of
 from stickslip.show.explorer.code import python
 from stickslip.show.explorer.effort import RTOL, affordable
@@ -28,10 +31,34 @@ COARSE, FINE = 40, 200
 SAMPLES, LONGEST = 256, 8
 #: Longest processor time of a run for the first picture [s].
 AT_ONCE = 3.0
+_first: Remembered[Any] = Remembered(most=8)
 
 
-def answer(asked: Message, kernels: Kernels, stop: IsCancelled, shown: Shown | None = None) -> bytes:
-    """The response to a request, where `shown` is the server's machine; errors in the numbers also give a response."""
+def begun() -> None:
+    """Import what the first picture takes."""
+    import scipy.integrate  # noqa: F401
+
+
+def sooner(asked: Message, kernels: Kernels, stop: IsCancelled) -> bytes | None:
+    """Curves of the set-valued laws alone, where a law with inner states takes longer to solve without its kernel; None elsewhere."""
+    if asked.channel != "curves" or asked.wish is not None or asked.machine is not None:
+        return None
+    with contextlib.suppress(StickslipError):  # the whole response reports the error
+        waits = [law for law in asked.state.laws if not kernels.ready(asked.state, law, asked.state.robot(law), False)]
+        if 0 < sum(_is_dynamic(asked.state, law) for law in waits) < len(asked.state.laws):
+            return answer(asked, kernels, stop, dynamic=False)
+    return None
+
+
+def _is_dynamic(state: State, law: str) -> bool:
+    return bool(law_of(state.robot(law)).dynamic)
+
+
+def answer(asked: Message, kernels: Kernels, stop: IsCancelled, shown: Shown | None = None, dynamic: bool = True) -> bytes:
+    """The response to a request, where `shown` is the server's machine; errors in the numbers also give a response.
+
+    Without `dynamic` no law with inner states is solved whose kernel is not ready.
+    """
     head = {"channel": asked.channel, "id": asked.id}
     response: tuple[dict[str, Any], dict[str, Any]]
     try:
@@ -42,7 +69,8 @@ def answer(asked: Message, kernels: Kernels, stop: IsCancelled, shown: Shown | N
         elif asked.machine is not None:
             response = _machine(asked, kernels, stop, shown), {}
         else:
-            response = {"curves": _curves, "map": map_of, "strip": strip_of, "exponent": exponent_of}[asked.channel](asked, kernels, stop)
+            channels = {"curves": functools.partial(_curves, dynamic=dynamic), "map": map_of, "strip": strip_of, "exponent": exponent_of}
+            response = channels[asked.channel](asked, kernels, stop)
     except InputError as error:
         response = {"kind": "problems", "problems": [without_python(p) for p in error.problems]}, {}
     except StickslipError as error:
@@ -120,15 +148,15 @@ def _first_run(robot: Any, tell: Callable[[int, int], None]) -> Any:
     return run if len(run.strobe_times) > 3 else None
 
 
-def _curves(asked: Message, kernels: Kernels, stop: IsCancelled) -> tuple[dict[str, Any], dict[str, Any]]:
+def _curves(asked: Message, kernels: Kernels, stop: IsCancelled, dynamic: bool = True) -> tuple[dict[str, Any], dict[str, Any]]:
     state, laws, runs = asked.state, [], {}
     for law in state.laws:
         entry: dict[str, Any] = {"name": law, "label": FRICTION[law].label}
         laws.append(entry)
         robot = state.robot(law)
         if not kernels.ready(state, law, robot, False):
-            entry["waits"] = compiling(state, law)
-            run = at_once(functools.partial(_first_run, robot), stop)
+            entry["waits"], slow = compiling(state, law), _is_dynamic(state, law)
+            run = at_once(lambda tell, robot=robot: _first(robot, lambda: _first_run(robot, tell)), stop) if dynamic or not slow else None
         else:
             run = run_of(state, law, asked.fine, robot, stop)
         if stop():

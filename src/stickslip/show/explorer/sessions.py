@@ -17,7 +17,7 @@ from stickslip.show.explorer.frames import encoded, unpacked
 from stickslip.show.explorer.kernels import Kernels
 from stickslip.show.explorer.machines import Shown
 from stickslip.show.explorer.requests import CHANNELS, Message, message
-from stickslip.show.explorer.responses import Stopped, answer
+from stickslip.show.explorer.responses import Stopped, answer, begun, sooner
 
 #: Largest size of a message in bytes.
 MESSAGE_BYTES = 32_768
@@ -33,12 +33,19 @@ class Workshop:
         self._pools = {"curves": ThreadPoolExecutor(n, "curves"), "behind": ThreadPoolExecutor(max(n - 1, 1), "behind")}
         self.prepared = 0  # number of kernels that have become ready
         self._loop = asyncio.get_running_loop()
+        self._pools["curves"].submit(begun)  # while the browser opens
         kernels.listen(self._kernel_ready)
 
     async def compute(self, asked: Message, stop: threading.Event) -> bytes:
         """Compute the response to a request in a thread."""
-        pool = self._pools["curves" if asked.channel == "curves" else "behind"]
-        return await self._loop.run_in_executor(pool, self._answer, asked, stop)
+        return await self._loop.run_in_executor(self._pool(asked), self._answer, asked, stop)
+
+    async def compute_sooner(self, asked: Message, stop: threading.Event) -> bytes | None:
+        """Compute in a thread what of the response takes the shortest time, if that is worth it."""
+        return await self._loop.run_in_executor(self._pool(asked), sooner, asked, self.kernels, stop.is_set)
+
+    def _pool(self, asked: Message) -> ThreadPoolExecutor:
+        return self._pools["curves" if asked.channel == "curves" else "behind"]
 
     def _answer(self, asked: Message, stop: threading.Event) -> bytes:
         if stop.is_set():  # superseded while it waited for a thread
@@ -131,6 +138,7 @@ class Session:
             slot.wake.clear()
             assert asked is not None
             prepared = self._workshop.prepared
+            await self._send_sooner(asked, slot.stop)
             data = await self._computed(asked, slot.stop)
             if data is None:
                 continue
@@ -139,6 +147,12 @@ class Session:
                 if self._workshop.prepared != prepared:  # a kernel has become ready meanwhile: perhaps this one
                     slot.put(asked)
             await self._send(data)
+
+    async def _send_sooner(self, asked: Message, stop: threading.Event) -> None:
+        """A first part of a response that will take longer; its errors are those of the whole response."""
+        with contextlib.suppress(Exception):
+            if (data := await self._workshop.compute_sooner(asked, stop)) is not None:
+                await self._send(data)
 
     async def _computed(self, asked: Message, stop: threading.Event) -> bytes | None:
         try:

@@ -51,7 +51,7 @@ def edge_state(edge: Any, ax: Ax = None) -> Any:
     drawn(ax, edge, places, [factor for factor, _ in sizes])
     for label, i, (_, mark) in zip((ax.set_xlabel, ax.set_ylabel)[-len(places) :], places, sizes, strict=True):
         label(axis_label(attributes[i]["long_name"], attributes[i]["units"], mark))
-    legend_above(ax, ncols=3, columnspacing=1.2)
+    legend_above(ax, ncols=2, columnspacing=1.2)
     return ax
 
 

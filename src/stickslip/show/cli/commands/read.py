@@ -68,6 +68,7 @@ def act(asked: Namespace) -> Outcome:
 
 def _measured(rec: Any, settle: int | str) -> dict[str, Any]:
     """The measures that this record allows; those with missing inputs are left out."""
+    from stickslip.basics.units import quantity_of
     from stickslip.records.settling import settled
 
     measures: dict[str, Any] = {}
@@ -75,8 +76,10 @@ def _measured(rec: Any, settle: int | str) -> dict[str, Any]:
         rec, _, said = settled(rec, settle)
         if said:
             measures["start"] = said.replace("compared with steady motion;", "measured;")
-        measures["mean velocity"] = show.quantity_text(rec.mean_velocity, "m/s")
-        measures["motion type"] = rec.motion.verdict
+        turns = quantity_of(rec["velocity"].unit) == "angular velocity"
+        measures["mean velocity"] = show.quantity_text(rec.mean_velocity, "rad/s" if turns else "m/s")
+        if not turns:  # the types are those of a robot on its track
+            measures["motion type"] = rec.motion.verdict
     except InputError:
         pass
     return measures
