@@ -69,7 +69,8 @@ def answer(asked: Message, kernels: Kernels, stop: IsCancelled, shown: Shown | N
         elif asked.machine is not None:
             response = _machine(asked, kernels, stop, shown), {}
         else:
-            channels = {"curves": functools.partial(_curves, dynamic=dynamic), "map": map_of, "strip": strip_of, "exponent": exponent_of}
+            curves = functools.partial(_curves, dynamic=dynamic)
+            channels: dict[str, Callable[..., Any]] = {"curves": curves, "map": map_of, "strip": strip_of, "exponent": exponent_of}
             response = channels[asked.channel](asked, kernels, stop)
     except InputError as error:
         response = {"kind": "problems", "problems": [without_python(p) for p in error.problems]}, {}
@@ -148,6 +149,11 @@ def _first_run(robot: Any, tell: Callable[[int, int], None]) -> Any:
     return run if len(run.strobe_times) > 3 else None
 
 
+def _once(robot: Any, tell: Callable[[int, int], None]) -> Any:
+    """A short run of a robot, which the next response of the same robot draws again."""
+    return _first(robot, lambda: _first_run(robot, tell))
+
+
 def _curves(asked: Message, kernels: Kernels, stop: IsCancelled, dynamic: bool = True) -> tuple[dict[str, Any], dict[str, Any]]:
     state, laws, runs = asked.state, [], {}
     for law in state.laws:
@@ -156,7 +162,7 @@ def _curves(asked: Message, kernels: Kernels, stop: IsCancelled, dynamic: bool =
         robot = state.robot(law)
         if not kernels.ready(state, law, robot, False):
             entry["waits"], slow = compiling(state, law), _is_dynamic(state, law)
-            run = at_once(lambda tell, robot=robot: _first(robot, lambda: _first_run(robot, tell)), stop) if dynamic or not slow else None
+            run = at_once(functools.partial(_once, robot), stop) if dynamic or not slow else None
         else:
             run = run_of(state, law, asked.fine, robot, stop)
         if stop():
