@@ -12,10 +12,13 @@ import pytest
 import drawn
 import stickslip as ss
 from engine.test_emit import plain
+from models.machines.test_any_coordinates import ARM, POLE
+from models.machines.test_rails import CartPole
 from problems import chain
 from stickslip.basics.batch import rows_of
 from stickslip.engine import lanes, taylor, trace
 from stickslip.engine.symbols import TraceError
+from stickslip.engine.unforeseen import hides
 from stickslip.engine.values import values_of
 
 ORDER = taylor.ORDER
@@ -158,6 +161,22 @@ def test_coefficients_are_those_of_a_second_method():
 @pytest.mark.slow
 def test_coefficients_of_every_law_and_drive_are_those_of_a_second_method():
     check([drawn.robot(i) for i in range(270)], np.random.default_rng(8))
+
+
+def test_coefficients_of_machines_with_places_are_those_of_a_second_method():
+    """Whose accelerations solve linear equations: the second method divides series, as elimination is written out."""
+    rail = type("Driven", (CartPole,), {"period": 1.25})(1.0, 0.8, 0.5, ss.Coulomb(0.1, 0.12))
+    for model in (rail, POLE, ARM):
+        assert trace.trace(model).graph.linear
+        for seed in range(3):
+            assert compared(model, np.random.default_rng(seed))[0] <= ROUNDINGS, (type(model).__name__, seed)
+
+
+def test_places_cost_a_product_of_series_for_each_that_cannot_be_spared():
+    """Of a cart with a pendulum: sine and cosine, u^2 and sin u^2, and cos times each acceleration; and nothing is held against slopes."""
+    eq = trace.trace(POLE)
+    products = [line for line in taylor.write_step(eq).lines if "[m - j]" in line]
+    assert len(products) == 6 and not hides(eq)
 
 
 # ---- which guards there are to watch ----

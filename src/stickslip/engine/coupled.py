@@ -11,6 +11,7 @@ from functools import reduce
 from typing import Any
 
 from stickslip.engine.assembly import Assembly
+from stickslip.engine.linear_systems import extended
 from stickslip.engine.symbolic import Symbolic
 from stickslip.engine.symbols import Graph, Sym
 from stickslip.engine.system import Branches, TracedContact
@@ -174,6 +175,7 @@ def add_box(parts: Assembly, group: list[int], speeds: list[Sym | None]) -> None
             TracedContact(name, m.slips[i], m.directions[i], state, None, (), (i,), branches, speeds[i], False, row=m.weighted(i))
         )
     if m.equations.joined:
+        _solve_together(parts, box)
         _hold_exactly(parts, group)
     sides = {i: graph.by_side(m.slips[i], one, -one, zero) for i in group}
     for number, new in box.decided(sides).items():
@@ -185,7 +187,7 @@ def _box_of(parts: Assembly, group: list[int]) -> Box:
     m, graph = parts.m, parts.m.graph
     slide, limits = {i: sliding_both_ways(parts, i) for i in group}, {i: limits_of(parts, i) for i in group}
     accelerations = m.accelerations(parts.known_forces)
-    free = {i: _total([*_changes(m, i, accelerations), graph.derivative(m.slips[i], m.t), *_by_place(m, i)]) for i in group}
+    free = {i: _total([*_changes(m, i, accelerations), *_drifts(m, i)]) for i in group}
     if m.equations.joined or any(m.weighted(i) for i in group):
         G = _felt(parts, group)
     else:
@@ -208,6 +210,22 @@ def _by_place(m: Symbolic, i: int) -> list[Sym]:
     zero = m.graph.constant(0.0)
     slopes = [(m.graph.derivative(m.slips[i], place), v) for place, v in zip(m.places, m.v, strict=True) if place is not zero]
     return [slope * v for slope, v in slopes if slope is not zero]
+
+
+def _drifts(m: Symbolic, i: int) -> list[Sym]:
+    """What changes a contact's slip besides accelerations."""
+    return [m.graph.derivative(m.slips[i], m.t), *_by_place(m, i)]
+
+
+def _solve_together(parts: Assembly, box: Box) -> None:
+    """Accelerations and friction forces as one system of linear equations, as the modes say: a contact rests, or its force is known."""
+    m, graph, equations = parts.m, parts.m.graph, {}
+    zero, one = graph.constant(0.0), graph.constant(1.0)
+    for i in box.group:
+        rests, slides = (graph.by_side(box.modes[i], of, of, other) for of, other in ((zero, one), (one, zero)))
+        row = [rests * g if known else zero for known, g in zip(m.directions[i], m.rows[i], strict=True)]
+        equations[i] = row, slides, graph.by_side(box.modes[i], *box.slide[i], -_total(_drifts(m, i)))
+    extended(graph, m.accelerations(parts.forces), {i: parts.forces[i] for i in box.group}, equations)
 
 
 def _felt(parts: Assembly, group: list[int]) -> dict[tuple[int, int], Sym]:

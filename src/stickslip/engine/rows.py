@@ -14,6 +14,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
+from stickslip.engine.linear_systems import parts_of
 from stickslip.engine.symbols import Sym, TraceError, is_zero, slope_of
 from stickslip.engine.write import Writer
 
@@ -87,8 +88,8 @@ class RowWriter:
             node = waiting.pop()
             if node.number not in visited:
                 visited.add(node.number)
-                uses.update(a.number for a in node.args)
-                waiting += node.args
+                uses.update(a.number for a in parts_of(node))
+                waiting += parts_of(node)
         return uses
 
     def _turns(self, node: Sym) -> bool:
@@ -110,6 +111,8 @@ class RowWriter:
         one = self.graph.constant(1.0)
         itself = Form(((node, one),), pure=True)
         if node.number in self._states or node.number in self._given:
+            return itself
+        if node.number in self.graph.linear:
             return itself
         if node.op in ("add", "subtract"):
             total = self._total(node)
@@ -192,6 +195,8 @@ class RowWriter:
     def _rule(self, term: Sym) -> Callable[[Sym], str]:
         if term.number in self._given:
             return lambda term: f"1.0 * {self._given[term.number]}[m]"
+        if term.number in self.graph.linear:
+            return self._solved
         return self._turning if self._turns(term) else getattr(self, f"_{term.op}", self._by_slope)
 
     def _row(self, term: Sym) -> str:
@@ -310,6 +315,31 @@ class RowWriter:
         turn = f"{s}t"
         ahead = [(turn, f"_inverse * {self._value(self._rate_in_time(node.args[0]))}"), (f"{turn}c", f"{turn} * {c}")]
         self._lines[node.number] += [*ahead, (c, f"-{turn} * {s}"), (s, f"{turn}c")]
+        return ""
+
+    def _solved(self, node: Sym) -> str:
+        """The solution of linear equations A x = b, all of it at once: A_0 x_m is b_m without the products of A's coefficients and x's."""
+        system, left = self.graph.linear[node.number], []
+        for row, b in zip(system.rows, system.right, strict=True):
+            text = self._linear(self._form(b))
+            for entry, x in zip(row, system.unknowns, strict=True):
+                if self._varies(entry):
+                    term, factor = self._of_term(entry)
+                    held = f"fma(-{self._value(factor * x)}, {self._coefficient(term)}, {text})"
+                    text = f"fma(-{self._value(factor)}, {self._sum(self._row(term), self._row(x))}, {held})"
+            left.append((f"{self._names[node.number]}b{len(left)}", text))
+        lines = self._lines[node.number]
+        lines += [(name, text) for name, text in left if text != ZERO]
+        for k, x in enumerate(system.unknowns):
+            if x is not node:
+                self._names[x.number] = f"{self._names[node.number]}x{k}"
+                self._lines[x.number] = []
+                self._order.append(x)
+            text = ZERO
+            for of, (name, rest) in zip(system.inverse[k], left, strict=True):
+                if not is_zero(of) and rest != ZERO:
+                    text = f"{self._value(of)} * {name}" if text == ZERO else f"fma({self._value(of)}, {name}, {text})"
+            lines.append((self._names[x.number], text))
         return ""
 
     # ---- the loop ----

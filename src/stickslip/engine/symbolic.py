@@ -125,7 +125,9 @@ class Symbolic:
         """
         v = tuple((at or {}).get(j, y) + offset for j, (y, offset) in enumerate(zip(self.y, self.offsets, strict=True)))
         forces = [R.get(i, 0.0) for i in range(len(self.laws))]
-        accelerations = tuple(_spread(self.lift(a)) for a in self.equations.accelerations(self.t, self.places, v, forces, self.held))
+        accelerations = tuple(map(self.lift, self.equations.accelerations(self.t, self.places, v, forces, self.held)))
+        if not self.equations.joined:
+            accelerations = tuple(map(_spread, accelerations))
         if closed is not AS_IT_IS:
             return accelerations if closed is None else closed.closing(self, accelerations)
         for p in [p for p in self.pressed if not p.rubs]:

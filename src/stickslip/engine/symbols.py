@@ -121,6 +121,11 @@ class Sym:
     def __ss_is_zero__(self) -> bool:
         return is_zero(self)
 
+    def __ss_solved__(self, matrix: Any, right: Any) -> tuple[Any, ...]:
+        from stickslip.engine.linear_systems import solution
+
+        return solution(matrix, right)
+
     def __ss_within__(self, period: Any) -> Sym:
         if not self.graph.begins_anew and self.graph.varies(self):
             raise TraceError("time goes on here and never begins anew with a period, so within(t, period) is not known; write sin and cos")
@@ -210,6 +215,8 @@ class Graph:
         self.assumed: dict[int, float] = {}  # signs that are not asked for: number of a node -> +1 or -1
         self.begins_anew = True  # time is 0 at the beginning of each period
         self.at_once = False  # conditions are those of one instant: nothing is held, so that no flag is made
+        self.linear: dict[int, Any] = {}  # of expressions that solve linear equations, by their numbers: these (`linear_systems`)
+        self.solved: dict[tuple[int, ...], Any] = {}  # of solutions, by the numbers of all: matrix and right-hand side
         self._derivatives: dict[tuple[int, int], Sym] = {}
         self._varies: dict[int, frozenset[str]] = {}
 

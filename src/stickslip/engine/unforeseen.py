@@ -10,6 +10,7 @@ has been taken its polynomial is held against the equation, at its end and betwe
 from __future__ import annotations
 
 from stickslip.engine.kernel_text import function
+from stickslip.engine.linear_systems import parts_of
 from stickslip.engine.rosenbrock_step import Step
 from stickslip.engine.steptext import bound, held
 from stickslip.engine.symbols import Graph, Sym
@@ -38,11 +39,13 @@ def _degree(graph: Graph, node: Sym, known: dict[int, float]) -> float:
 
 
 def _composed(graph: Graph, node: Sym, known: dict[int, float]) -> float:
-    degrees = [_degree(graph, a, known) for a in node.args]
-    if node.op in ("add", "subtract", "select"):
+    degrees = [_degree(graph, a, known) for a in parts_of(node)]
+    if node.op in ("add", "subtract", "select") or node.number in graph.linear:
         return max(degrees)
     if node.op == "multiply":
         return sum(degrees)
+    if node.op in ("sin", "cos") and graph.linear:  # of an angle: all its powers of one parity follow one another
+        return degrees[0] if graph.varies(node) != {"t"} else 0.5 if degrees[0] <= 1.0 else float("inf")
     of_time = graph.varies(node) == {"t"} and degrees[0] <= 1.0
     return 0.5 if node.op in ("sin", "cos") and of_time else float("inf")
 
@@ -57,6 +60,9 @@ def active(eq: System, op: str) -> dict[Sym, list[Way]]:
         if (node.number, way) in visited or not eq.graph.varies(node):
             continue
         visited.add((node.number, way))
+        if node.number in eq.graph.linear:
+            stack += [(a, way) for a in parts_of(node)]
+            continue
         if node.op == op:
             ways.setdefault(node, []).append(way)
         if node.op == "select":

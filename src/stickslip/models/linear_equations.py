@@ -46,11 +46,26 @@ def total(terms: Iterable[Any]) -> Any:
 
 
 def solved(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> tuple[Any, ...]:
-    """The solution of linear equations with a symmetric, positive definite matrix, by elimination without pivots.
+    """The solution of linear equations with a symmetric, positive definite matrix.
+
+    Symbols solve them themselves (``__ss_solved__``).
 
     Examples
     --------
     >>> solved(((2.0, 1.0), (1.0, 3.0)), (3.0, 5.0))
+    (0.8, 1.4)
+    """
+    hooks = (getattr(value, "__ss_solved__", None) for value in (*(entry for row in matrix for entry in row), *right))
+    hook = next((hook for hook in hooks if hook is not None), None)
+    return eliminated(matrix, right) if hook is None else hook(matrix, right)
+
+
+def eliminated(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> tuple[Any, ...]:
+    """The solution of linear equations by elimination without pivots, for matrices that need none.
+
+    Examples
+    --------
+    >>> eliminated(((2.0, 1.0), (1.0, 3.0)), (3.0, 5.0))
     (0.8, 1.4)
     """
     n, rows, b = len(right), [list(row) for row in matrix], list(right)

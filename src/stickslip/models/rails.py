@@ -18,7 +18,7 @@ from stickslip.basics.contracts import Numeric
 from stickslip.basics.maths import where
 from stickslip.models.friction.law_adapter import TINY
 from stickslip.models.kept_heights import given_back, lever_of, normal_force
-from stickslip.models.linear_equations import product, total
+from stickslip.models.linear_equations import product, solved, total
 from stickslip.models.mechanics import Numbers
 from stickslip.models.placed_links import shares
 
@@ -96,4 +96,5 @@ def pressed_while_sliding(mechanics: Any, i: int, t: Numeric, q: Numbers, u: Num
         slip = np.where(slip == 0.0, TINY, slip)
     free = reaction(mechanics, i, t, q, u, (0.0,) * len(mechanics.contacts), z)
     side = 1.0 if mechanics.touching[i].pushes else where(free > 0.0, 1.0, -1.0)
-    return side * free / (1.0 + mechanics.laws[i].sliding(slip, 1.0) * yielding(mechanics, i, t, q) * side)
+    left = 1.0 + mechanics.laws[i].sliding(slip, 1.0) * yielding(mechanics, i, t, q) * side
+    return solved(((left,),), (side * free,))[0]

@@ -127,6 +127,25 @@ class ModeCoupling(ss.Machine):
         return {"pad": ss.Contact("x", self.friction, on=-1.0, load=lambda t, q: -self.k3 * q["y"])}
 
 
+@dataclass(frozen=True, eq=False)
+class DoublePole(ss.Machine):
+    """Two pendulums, one below the other, on a cart."""
+
+    friction: Any
+    coordinates = ("x", "first", "second")
+    period = 1.0
+
+    def bodies(self):
+        return {"cart": ss.Body(1.1), "upper": ss.Body(0.4), "lower": ss.Body(0.3)}
+
+    def places(self, t, q):
+        x, z = q["x"] + 0.5 * sin(q["first"]), -0.5 * cos(q["first"])
+        return {"cart": (q["x"], 0.0), "upper": (x, z), "lower": (x + 0.7 * sin(q["second"]), z - 0.7 * cos(q["second"]))}
+
+    def contacts(self):
+        return {"rail": ss.Contact("cart", self.friction, hold="both")}
+
+
 POLE, START = CartPole(1.0, 0.3, 0.5, 4.0, 5.0, COULOMB), {"x": {"angle": 0.5}, "v": {}}
 ARM = Arm(ss.Coulomb(0.2, 0.2))
 
@@ -149,16 +168,26 @@ def by_hand_arm(q, u):
     return np.array([[M11, M12], [M12, m2 * c2**2 + i2]]), np.array(right)
 
 
+def by_hand_double(q, u):
+    """The same of a cart with two pendulums, by Lagrange's equations: angles from the downward vertical, each its own."""
+    both, l1, l2, g, c, s = 0.7, 0.5, 0.7, 9.81, np.cos(q), np.sin(q)
+    M12, M13, M23 = both * l1 * c[1], 0.3 * l2 * c[2], 0.3 * l1 * l2 * np.cos(q[1] - q[2])
+    turned = 0.3 * l1 * l2 * np.sin(q[1] - q[2])
+    right = [both * l1 * s[1] * u[1] ** 2 + 0.3 * l2 * s[2] * u[2] ** 2, -turned * u[2] ** 2 - both * g * l1 * s[1],
+             turned * u[1] ** 2 - 0.3 * g * l2 * s[2]]  # fmt: skip
+    return np.array([[1.8, M12, M13], [M12, both * l1**2, M23], [M13, M23, 0.3 * l2**2]]), np.array(right)
+
+
 @each_row(
     "machine, by_hand",
     [(POLE, by_hand_pole), (ByMatrix(1.0, 0.3, 0.5, 4.0, 5.0, COULOMB), by_hand_pole),
-     (ByEnergy(1.0, 0.3, 0.5, 4.0, 5.0, COULOMB), by_hand_pole), (ARM, by_hand_arm)],
-    ids=["places", "matrix", "kinetic energy", "two links"],
+     (ByEnergy(1.0, 0.3, 0.5, 4.0, 5.0, COULOMB), by_hand_pole), (ARM, by_hand_arm), (DoublePole(COULOMB), by_hand_double)],
+    ids=["places", "matrix", "kinetic energy", "two links", "two pendulums on a cart"],
 )  # fmt: skip
 def test_equations_are_those_by_hand(machine, by_hand):
     """Matrix and accelerations at 1000 random states; sums of a few products: 1e-13 of their size."""
     draw, m = np.random.default_rng(20261129), machine.mechanics
-    for q, u in draw.uniform(-2.0, 2.0, (1000, 2, 2)):
+    for q, u in draw.uniform(-2.0, 2.0, (1000, 2, len(m.bodies))):
         M, h = by_hand(q, u)
         assert np.allclose(np.array(m.matrix(0.0, tuple(q))), M, rtol=0, atol=1e-14)
         assert np.allclose(

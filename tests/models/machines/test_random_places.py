@@ -1,0 +1,128 @@
+"""Random machines in the plane with contacts that hold on both sides, against SciPy in plain Python: no silent disagreement.
+
+A machine is one of five forms, under one of the laws that may rest exactly, with random numbers and a random start. A run either ends as
+the judge's does, event by event, or says by its status that it did not finish.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from cart_poles import CartAndBob
+from models.machines.test_any_coordinates import Arm, DoublePole
+from models.machines.test_rails import CartPole, Wedge
+from stickslip.maths import cos, pi, sin
+
+FAR = 1e-7  # of a motion: what may lie between two right answers after some events
+
+
+@dataclass(frozen=True, eq=False)
+class PushedPole(CartAndBob):
+    """A cart on a rail that is pushed to and fro, whose pendulum rubs in its pivot too."""
+
+    push: float
+    omega: float
+    friction: Any
+
+    @property
+    def period(self):
+        return 2 * pi / self.omega
+
+    def forces(self, t, q, u):
+        return {"x": self.push * sin(self.omega * t)}
+
+    def contacts(self):
+        return {"rail": ss.Contact("cart", self.friction, load=9.81 * (self.cart + self.bob))}
+
+
+@dataclass(frozen=True, eq=False)
+class Crank(ss.Machine):
+    """A disc whose bob turns about a pivot that rubs; a body on a slope is pulled by it through a spring."""
+
+    bob: float
+    block: float
+    slope: float
+    stiffness: float
+    friction: Any
+    coordinates = ("angle", "down")
+    time_scale = 1.0
+
+    def bodies(self):
+        return {"disc": ss.Body(self.bob, inertia=0.02), "block": ss.Body(self.block)}
+
+    def places(self, t, q):
+        disc = (0.3 * sin(q["angle"]), -0.3 * cos(q["angle"]), q["angle"])
+        return {"disc": disc, "block": (0.8 + q["down"] * cos(self.slope), -q["down"] * sin(self.slope))}
+
+    def links(self):
+        return {("disc", "block"): ss.Spring(self.stiffness, length=0.6)}
+
+    def contacts(self):
+        return {"pivot": ss.Contact("angle", self.friction, load=0.5), "slope": ss.Contact("block", self.friction, load=self.block * 9.0)}
+
+
+def laws(rng):
+    """One of each law that may rest exactly, with random numbers."""
+    mu, other = rng.uniform(0.02, 0.35, 2)
+    return {
+        "Coulomb": ss.Coulomb(mu, other),
+        "CoulombViscous": ss.CoulombViscous(mu, other, mu, other, viscous=0.3 * rng.random(), quadratic=0.1),
+        "Tabulated": ss.friction.Tabulated.example(),
+        "static above kinetic": ss.Coulomb(mu, other, f_plus=mu * (1 + rng.random()), f_minus=other * (1 + rng.random())),
+        "Stribeck": ss.Stribeck(mu, other, f_plus=mu * (1 + rng.random()), f_minus=other * (1 + rng.random()), v_s=rng.uniform(0.05, 0.5)),
+    }
+
+
+FORMS = {
+    "cart and pole on a rail": lambda rng, law: CartPole(*rng.uniform(0.3, 2.0, 2), rng.uniform(0.3, 1.0), law),
+    "pushed cart and pole": lambda rng, law: PushedPole(*rng.uniform(0.3, 2.0, 2), *rng.uniform([0.3, 2.0, 2.0], [1.0, 12.0, 9.0]), law),
+    "block on a wedge": lambda rng, law: Wedge(*rng.uniform(0.3, 2.0, 2), rng.uniform(0.1, 1.2), law),
+    "arm": lambda rng, law: Arm(law, *rng.uniform(2.0, 8.0, 2)),
+    "two pendulums on a rail": lambda rng, law: DoublePole(law),
+    "crank": lambda rng, law: Crank(*rng.uniform([0.3, 0.3, 0.1, 2.0], [2.0, 2.0, 1.0, 40.0]), law),
+}
+
+
+def drawn(form, law, seed):
+    """A machine, and where it begins."""
+    rng = np.random.default_rng(seed)
+    machine = FORMS[form](rng, laws(rng)[law])
+    names = machine.coordinates
+    return machine, {"x": dict(zip(names, rng.uniform(-1.2, 1.2, len(names)), strict=True)), "v": {names[0]: rng.normal() * 0.5}}
+
+
+def compared(form, law, seed, most=2.0):
+    """ "agrees", what it says, or how far it lies from the judge."""
+    machine, start = drawn(form, law, seed)
+    try:
+        run = ss.solve(machine, duration=most, start=start)
+    except ss.InputError as refused:
+        return f"refused: {str(refused)[:90]}"
+    if run.status != "finished":
+        return f"says {run.status}"
+    judge = ss.solve(machine, duration=most, start=start, method="dop853", rtol=1e-12)
+    if judge.status != "finished" or len(run.events) != len(judge.events):
+        return f"DIFFERS: {len(run.events)} events and {len(judge.events)} of the judge, which {judge.status}"
+    late = max((abs(a.t - b.t) for a, b in zip(run.events, judge.events, strict=True)), default=0.0)
+    off = np.max(abs(np.r_[run.x[-1] - judge.x[-1], run.v[-1] - judge.v[-1]]))
+    return "agrees" if max(late, off) < FAR else f"DIFFERS: by {late:.1e} s and {off:.1e}"
+
+
+@pytest.mark.parametrize("form", ["cart and pole on a rail", "block on a wedge", "arm"])
+def test_random_machines_in_the_plane_are_those_of_the_judge(form):
+    assert compared(form, "Coulomb", 0, 1.0) == "agrees"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", laws(np.random.default_rng(0)))
+def test_no_random_machine_in_the_plane_disagrees_silently(law):
+    """Four of each form; at most 2 % of those that are accepted say that they did not finish."""
+    said = {(form, seed): compared(form, law, seed) for form in FORMS for seed in range(4)}
+    said = {which: what for which, what in said.items() if not what.startswith("refused")}
+    assert not {which: what for which, what in said.items() if what.startswith("DIFFERS")}
+    assert sum(what != "agrees" for what in said.values()) <= 0.02 * len(said)
