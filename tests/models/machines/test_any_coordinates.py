@@ -234,6 +234,22 @@ def test_what_rests_rests_exactly():
     assert np.all(abs(run.contacts["rail"].friction_force[rests]) <= 0.1 * 1.3 * 9.81 * (1 + 1e-12))
 
 
+@pytest.mark.slow
+def test_gradients_under_a_law_with_inner_states_hold_more_than_the_tolerance_of_the_run():
+    """A run of rtol 1e-6: its gradients agree with differences of runs of 1e-12 to 3e-8."""
+    pole = POLE.replace(friction=LUGRE)
+    found = ss.dynamics.sensitivity(ss.solve(pole, periods=2, start=START), wrt=["length", "push"])
+    for i, name in enumerate(found.names):
+
+        def end(h, name=name, value=found.values[i]):
+            moved = ss.solve(pole.replace({name: value * (1 + h)}), periods=2, start=START, rtol=1e-12)
+            return np.r_[moved.mean_velocity, moved.v[-1], moved.x[-1, 1]]
+
+        one, half = ((end(h) - end(-h)) / (2 * h * found.values[i]) for h in (1e-4, 5e-5))
+        exact = np.r_[found.mean_velocity[i], found.state[i][[0, 1, 3]]]
+        assert np.max(abs(exact - (4 * half - one) / 3)) < 3e-8 * np.max(abs(exact))
+
+
 def test_a_small_oscillation_of_cart_and_pole_has_the_frequency_by_hand():
     """Without friction omega^2 = (1 + m/M) g/l; half a period later an angle of 1e-5 is at the other side."""
     free = POLE.replace({"push": 0.0, "friction.mu_plus": 0.0, "friction.mu_minus": 0.0})

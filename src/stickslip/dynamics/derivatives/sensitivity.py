@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 _ALONE = "if it alone changes, the equations do not repeat after the period"
 _WHOLE = 1e-9  # by how much of themselves the numbers of periods of its drives may change
+_TOLERANCE = 1e-10  # of runs under laws with inner states: derivatives lose digits that the run itself keeps
 _ASIDE = 1e-3  # how far a number is moved to see whether the equations still come back after the period
 
 
@@ -110,7 +111,8 @@ def sensitivity(of: Any, wrt: str | Sequence[str] | None = None) -> Sensitivity:
     ----------
     of : Robot or machine, PeriodicOrbit, or Trajectory
         For a machine, the derivatives are those of its periodic motion (`periodic_orbit`). For a run, they are those of the mean
-        velocity after `settle` and of the final state, from the same initial state.
+        velocity after `settle` and of the final state, from the same initial state. Under laws with inner states they are held to a
+        tolerance of 1e-10, or that of the run if it is smaller.
     wrt : str or sequence of str, optional
         Names of numbers as in ``robot.replace``, such as "drive.amplitude" or "modules[1].drive.amplitude"; without an index the numbers of
         all parts vary together, by the same amount: "modules.friction.mu_plus". ``*`` matches anything. If not given: every number
@@ -275,7 +277,7 @@ def _of_run(run: Trajectory, moved: dict[str, tuple[str, ...]]) -> Sensitivity:
     states = np.tile(states_of(run.start or None, model)[0], (k, 1))
 
     def after(periods: int) -> Changes:
-        return changes_along(model, states, starts, numbers, periods, run.rtol, span)
+        return changes_along(model, states, starts, numbers, periods, min(run.rtol, _TOLERANCE), span)
 
     last, settle = after(run.periods), 0 if span else run.settle
     way, d_way = last.way, last.way_change
