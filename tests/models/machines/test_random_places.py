@@ -98,8 +98,8 @@ def drawn(form, law, seed):
 
 def compared(form, law, seed, most=2.0):
     """ "agrees", what it says, or how far it lies from the judge."""
-    machine, start = drawn(form, law, seed)
     try:
+        machine, start = drawn(form, law, seed)
         run = ss.solve(machine, duration=most, start=start)
     except ss.InputError as refused:
         return f"refused: {str(refused)[:90]}"
