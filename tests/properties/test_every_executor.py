@@ -1,6 +1,7 @@
 """Long calls on threads, on processes, on Dask: the same results, bit for bit."""
 
 import dataclasses
+import functools
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -9,6 +10,7 @@ import xarray as xr
 
 import stickslip as ss
 from spawned import processes
+from stickslip.inverse.identification.bootstrapping import bootstrap
 
 RIG = ss.presets.piezo_rig
 LAW = {"tilt_deg": 1.7, "law": "coulomb"}
@@ -41,15 +43,24 @@ MORE = {
     "atlas": lambda **where: (
         ss.atlas(RIG, over={"amplitude": [3.3e-4, 3.6e-4, 3.9e-4], "mu0": [0.17, 0.18]}, branches=0, **LAW, **where).map
     ),
+    "optimise": lambda **where: ss.optimise(ROBOT, over={"drive.amplitude": (3e-4, 8e-4)}, **where).model,
+    "propagate": lambda **where: ss.optimisation.propagate(ROBOT, {"friction.mu_plus": ("normal", 0.15, 0.005)}, samples=64, **where),
+    "bootstrap": lambda **where: bootstrap(_fitted(), 4, seed=5, **where),
 }
+
+
+@functools.cache
+def _fitted():
+    """A fit of a steady curve."""
+    free = {"friction.mu_plus": (0.1, 0.3), "friction.mu_minus": (0.1, 0.3)}
+    return ss.identify(ss.virtual_rig(ROBOT, noise=1e-3, seed=3), ROBOT, free=free)
 
 
 def bits(result):
     """A result as bytes by name."""
     if isinstance(result, xr.Dataset):
-        return {str(name): (str(values.dtype), values.values.tobytes()) for name, values in result.variables.items()} | {
-            "attrs": str(result.attrs)
-        }
+        columns = {str(name): (str(values.dtype), values.values.tobytes()) for name, values in result.variables.items()}
+        return columns | {"attrs": str(result.attrs)}
     if dataclasses.is_dataclass(result):
         return {each.name: bits(getattr(result, each.name)) for each in dataclasses.fields(result)}
     if isinstance(result, (tuple, list)):

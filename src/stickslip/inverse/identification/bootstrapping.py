@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import Problems
+from stickslip.basics.executors import Workers
 from stickslip.basics.interruption import look
 from stickslip.basics.pool import handed_out
 from stickslip.inverse.identification.covariance import effective
@@ -23,12 +24,14 @@ _NEAR = 0.05  # ... and when it moves the residuals by less than this part of on
 _SMALL = 0.01  # a replicate is done when its step is below this part of the standard errors
 
 
-def by_bootstrap(fit: Fit, name: str, level: float, repeats: int = 200, seed: int = 0, workers: int = 1) -> tuple[float, float]:
+def by_bootstrap(
+    fit: Fit, name: str, level: float, repeats: int = 200, seed: int = 0, workers: int = 1, executor: Any = None
+) -> tuple[float, float]:
     """Quantiles of fits to resampled data: the fitted curve plus blocks of residuals in random order.
 
     Along a direction that the data do not determine all replicates stay where the fit began, which says nothing: there it is open.
     """
-    table = bootstrap(fit, repeats, seed, workers)
+    table = bootstrap(fit, repeats, seed, workers, executor)
     k = fit.names.index(name)
     if fit.information.undetermined[k]:
         return fit.problem.parameters.free[k].low, fit.problem.parameters.free[k].high
@@ -40,12 +43,12 @@ def by_bootstrap(fit: Fit, name: str, level: float, repeats: int = 200, seed: in
     return float(free.outer(ends[0])), float(free.outer(ends[1]))
 
 
-def bootstrap(fit: Fit, repeats: int, seed: int, workers: int = 1) -> Any:
+def bootstrap(fit: Fit, repeats: int, seed: int, workers: int = 1, executor: Any = None) -> Any:
     """Values of the free parameters in fits to resampled data, bit for bit the same for any number of workers.
 
     All replicates start at the fit and step by Gauss and Newton with its derivatives, so that one step costs one curve for each; where
     that does not settle, trust-region steps with derivatives of its own finish the replicate. Forces against motion are one batch per
-    step; steady curves are shared among threads.
+    step; steady curves are shared among threads, or the workers of an executor.
 
     Parameters
     ----------
@@ -54,6 +57,8 @@ def bootstrap(fit: Fit, repeats: int, seed: int, workers: int = 1) -> Any:
     seed : int
     workers : int
         Threads.
+    executor : executor or callable, optional
+        Compute there, as for `sweep`; `workers` is then the number of its workers.
 
     Returns
     -------
@@ -62,24 +67,26 @@ def bootstrap(fit: Fit, repeats: int, seed: int, workers: int = 1) -> Any:
     """
     problems = Problems("bootstrap")
     problems.whole("repeats", repeats, 2, example=200)
-    problems.whole("workers", workers, 1, example=2)
+    crew = Workers(workers, executor)
+    crew.note(problems)
     problems.check()
     resampled = [_resampled_problem(fit, np.random.default_rng([seed, r])) for r in range(repeats)]
-    points, settled = _stepped(fit, resampled, workers)
-    finished = partial(_finished, fit, resampled)
-    for r, end in handed_out(finished, [r for r in range(repeats) if not settled[r]], workers):
-        points[r] = end.point
+    with crew.kept() as kept:
+        points, settled = _stepped(fit, resampled, kept)
+        left = ((r, resampled[r]) for r in range(repeats) if not settled[r])
+        for (r, _), point in handed_out(partial(_finished, fit.point), left, kept):
+            points[r] = point
     free = fit.problem.parameters.free
     table = np.stack([np.array([float(f.outer(p)) for f, p in zip(free, point, strict=False)]) for point in points])
     return np.where(fit.information.undetermined[: len(free)], np.nan, table)
 
 
-def _finished(fit: Fit, problems: list[Any], r: int) -> Any:
+def _finished(start: Array, replicate: tuple[int, Any]) -> Any:
     """Where the steps of one replicate end."""
-    return polished_to_end(problems[r], fit.point, rough=True)
+    return polished_to_end(replicate[1], start, rough=True).point
 
 
-def _stepped(fit: Fit, problems: list[Any], workers: int) -> tuple[Any, Any]:
+def _stepped(fit: Fit, problems: list[Any], workers: Workers) -> tuple[Any, Any]:
     """Places of all replicates after common steps, and which of them have settled."""
     low, high = fit.problem.bounds()
     inverse = fit.information.inverse
@@ -106,13 +113,18 @@ def _stepped(fit: Fit, problems: list[Any], workers: int) -> tuple[Any, Any]:
     return points, settled
 
 
-def _residuals(problems: list[Any], points: Array, which: Any, workers: int) -> Any:
+def _residuals(problems: list[Any], points: Array, which: Any, workers: Workers) -> Any:
     """Residuals of some replicates: array (replicates, values)."""
     if problems[0].batched:
         least, most = problems[0].ends(points[which])
         return np.stack([problems[r].rest((least[:, k], most[:, k]), points[r]) for k, r in enumerate(which)])
-    by_replicate = dict(handed_out(lambda r: problems[r].residuals(points[r]), which, workers))
+    replicates = ((r, problems[r], points[r]) for r in which)
+    by_replicate = {replicate[0]: residuals for replicate, residuals in handed_out(_residuals_of, replicates, workers)}
     return np.stack([by_replicate[r] for r in which])
+
+
+def _residuals_of(replicate: tuple[int, Any, Array]) -> Any:
+    return replicate[1].residuals(replicate[2])
 
 
 def _resampled_problem(fit: Fit, rng: Any) -> Any:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 PARTS = ("total", "statistical", "systematic", "input")
 #: Ways to an interval, and the options of each.
-METHODS: dict[str, tuple[str, ...]] = {"auto": (), "covariance": (), "profile": (), "bootstrap": ("repeats", "seed", "workers")}
+METHODS: dict[str, tuple[str, ...]] = {"auto": (), "covariance": (), "profile": (), "bootstrap": ("repeats", "seed", "workers", "executor")}
 
 
 @described_as("a Fit; type for example ss.identify(record, ss.presets.piezo_rig, free=...)")
@@ -227,10 +227,10 @@ class Fit(Face):
         level : float
         method : {"auto", "covariance", "profile", "bootstrap"}
             From the curvature at the optimum (immediate); by refitting the other parameters on either side, which accounts for a
-            likelihood that is not parabolic; or by repeated fits of resampled data (``repeats=200, seed=0, workers=1``; the same numbers
-            for any workers). "auto" uses the covariance if the sum of squares is parabolic within two standard errors and to the ends of
-            the interval, otherwise the profile (under noise of the motion, of which a profile sees less, the outer ends of both); also for
-            a parameter that has no effect near its value but may have one farther away.
+            likelihood that is not parabolic; or by repeated fits of resampled data (``repeats=200, seed=0, workers=1, executor=None``; the
+            same numbers for any workers or executor, see `sweep`). "auto" uses the covariance if the sum of squares is parabolic within
+            two standard errors and to the ends of the interval, otherwise the profile (under noise of the motion, of which a profile sees
+            less, the outer ends of both); also for a parameter that has no effect near its value but may have one farther away.
         part : {"total", "statistical", "systematic", "input"}
             The statistical part is due to noise alone, with sensor effects and priors fixed at their fitted values; the systematic part
             is what these add. The squares of the lengths on either side add up to that of the total. "input" is the part of either that

@@ -11,6 +11,7 @@ import numpy as np
 from stickslip.basics.batch import some_of
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import StickslipError
+from stickslip.basics.executors import HERE, Workers
 from stickslip.dynamics.derivatives.tangents import not_followed
 from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit, periodic_orbit
 from stickslip.dynamics.periodic.steady_motions import Closing
@@ -41,8 +42,8 @@ class Candidates:
     sign : float
         -1 where it is to be large, 1 where it is to be small.
     limits : list of Limit
-    workers : int
-        Threads.
+    workers : Workers
+        Threads, or an executor.
     tell : callable
         Called with the number of candidates tried so far; may raise `Interrupted`, which ends the search.
     sample : dict of arrays, optional
@@ -59,7 +60,7 @@ class Candidates:
     quantity: str
     sign: float
     limits: list[Limit]
-    workers: int = 1
+    workers: Workers = HERE
     tell: Callable[[int], None] = lambda tried: None
     sample: dict[str, Array] | None = None
     quantile: float | None = None

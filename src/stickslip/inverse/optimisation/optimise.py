@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Model, explains_arguments
+from stickslip.basics.arguments import Executes, Model, explains_arguments
 from stickslip.basics.batch import shape_of
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems, is_whole
+from stickslip.basics.executors import Workers
 from stickslip.basics.interruption import interruptible, look, partial_result
 from stickslip.basics.progress import reporting
 from stickslip.inverse.optimisation.best_candidate import optimum_of
@@ -44,6 +45,7 @@ def optimise(
     starts: str | None = "closed",
     seed: int = 0,
     workers: int = 1,
+    executor: Executes = None,
     progress: Reported | bool | None = None,
 ) -> Optimum:
     """The best numbers and drives of a machine, within limits.
@@ -77,6 +79,8 @@ def optimise(
         The same seed gives the same result.
     workers : int
         Threads. The result does not depend on it.
+    executor : executor or callable, optional
+        Compute there, as for `sweep`; `workers` is then the number of its workers.
     progress : callable or bool, optional
         True for a progress line, or a function that is called with (candidates tried, largest number); return False to stop. The best so
         far is returned, also after Ctrl-C.
@@ -117,7 +121,8 @@ def optimise(
     if model.period is None:
         problems.add(f"{type(model).__name__} has no period; allowed are machines with a drive, such as a Robot")
     problems.whole("seed", seed, 0, example=0)
-    problems.whole("workers", workers, 1, example=2)
+    crew = Workers(workers, executor)
+    crew.note(problems)
     problems.check()
     space = Unknowns(model, varied, scales)
     _check_middle(space)
@@ -129,8 +134,8 @@ def optimise(
         report(min(tried, most - 1), most)
         look()
 
-    worth = Candidates(space, quantity, -1.0 if maximise else 1.0, limits, int(workers), tell, sample, quantile)
-    with partial_result() as ending:
+    with crew.kept() as kept, partial_result() as ending:
+        worth = Candidates(space, quantity, -1.0 if maximise else 1.0, limits, kept, tell, sample, quantile)
         searched(worth, closed_starts(space) if starts else np.empty((0, space.count)), int(seed), generations, population)
     ending.needs(worth.best is not None)
     if worth.best is None:

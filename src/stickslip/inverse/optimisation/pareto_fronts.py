@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Model, explains_arguments
+from stickslip.basics.arguments import Executes, Model, explains_arguments
 from stickslip.basics.errors import InputError, Problems, StickslipError
+from stickslip.basics.executors import Workers
 from stickslip.basics.fields import leaves
 from stickslip.basics.interruption import interruptible, look, partial_result
 from stickslip.basics.progress import reporting
@@ -37,6 +38,7 @@ def pareto(
     starts: str | None = "closed",
     seed: int = 0,
     workers: int = 1,
+    executor: Executes = None,
     progress: Reported | bool | None = None,
 ) -> xr.Dataset:
     """The Pareto front of two quantities: the largest value of one under several limits on the other.
@@ -46,7 +48,7 @@ def pareto(
 
     Parameters
     ----------
-    model, over, subject_to, starts, seed, workers
+    model, over, subject_to, starts, seed, workers, executor
         As for `optimise`.
     maximise, minimise : str
         The two quantities: "mean_velocity", "cost_of_transport", "drive_power", ….
@@ -86,20 +88,21 @@ def pareto(
         problems.add(f"{minimise!r} is to be small and is maximised or limited too; allowed are two quantities; leave it out of the other")
     problems.check()
     report, whole = reporting(progress, "pareto"), points + 2
-    asked: dict[str, Any] = dict(over=over, starts=starts, seed=seed, workers=workers)
-    least = optimise(model, minimise=minimise, subject_to=subject_to, **asked)
-    most = optimise(model, maximise=maximise, subject_to=subject_to, **asked)
-    optima, low, high = [most], least[minimise] + _ABOVE * abs(least[minimise]), most[minimise]
-    with partial_result() as ending:
-        for done, level in enumerate(np.linspace(low, high, points)[:-1] if low < high else ()):
-            report(done + 2, whole)
-            look()
-            try:
-                optima.append(
-                    optimise(model, maximise=maximise, subject_to={**(subject_to or {}), minimise: (None, float(level))}, **asked)
-                )
-            except StickslipError:  # the search has not met a machine below this level
-                continue
+    with Workers(workers, executor).kept() as kept:
+        asked: dict[str, Any] = dict(over=over, starts=starts, seed=seed, workers=workers, executor=kept.executor)
+        least = optimise(model, minimise=minimise, subject_to=subject_to, **asked)
+        most = optimise(model, maximise=maximise, subject_to=subject_to, **asked)
+        optima, low, high = [most], least[minimise] + _ABOVE * abs(least[minimise]), most[minimise]
+        with partial_result() as ending:
+            for done, level in enumerate(np.linspace(low, high, points)[:-1] if low < high else ()):
+                report(done + 2, whole)
+                look()
+                try:
+                    optima.append(
+                        optimise(model, maximise=maximise, subject_to={**(subject_to or {}), minimise: (None, float(level))}, **asked)
+                    )
+                except StickslipError:  # the search has not met a machine below this level
+                    continue
     front = _dataset([each for each in optima if not _beaten(each, optima, maximise, minimise)], maximise, minimise)
     if ending.interrupted:
         return front.assign_attrs(note=ending.note(f"{len(optima)} of at most {points} searches are done"))

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Model, described_as, explains_arguments
+from stickslip.basics.arguments import Executes, Model, described_as, explains_arguments
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import Problems
+from stickslip.basics.executors import HERE, Workers
 from stickslip.basics.fields import leaves
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import Ending, interruptible, look, partial_result, taking_some_cases
@@ -172,6 +173,7 @@ def propagate(
     samples: int = 1024,
     seed: int = 0,
     workers: int = 1,
+    executor: Executes = None,
     indices: bool = False,
     progress: Callable[[int, int], Any] | bool | None = None,
 ) -> Propagated:
@@ -194,6 +196,8 @@ def propagate(
         Seed of its scrambling.
     workers : int
         Threads.
+    executor : executor or callable, optional
+        Compute there, as for `sweep`; `workers` is then the number of its workers.
     indices : bool
         Whether to compute Sobol indices of the numbers, which must be independent; n numbers need n + 2 times as many cases (Saltelli
         2010).
@@ -229,7 +233,8 @@ def propagate(
     spread = checked_spread(model, "uncertain", uncertain, problems)
     problems.whole("samples", samples, 2, example=1024, most=2**20)
     problems.whole("seed", seed, 0, example=0)
-    problems.whole("workers", workers, 1, example=2)
+    crew = Workers(workers, executor)
+    crew.note(problems)
     if any(np.ndim(value) for _, value in leaves(model)):
         problems.add("the robot is a batch (some of its numbers are arrays); allowed is one robot")
     if model.period is None:
@@ -245,7 +250,7 @@ def propagate(
     values: Array = np.empty(0)
     there: Array = np.empty(0, bool)
     with partial_result() as ending, taking_some_cases():
-        values, there = _run(model, spread.numbers(u.reshape(len(u), -1)), of, int(workers), watch)
+        values, there = _run(model, spread.numbers(u.reshape(len(u), -1)), of, crew, watch)
         if not there.all():
             look()
     if ending.interrupted:
@@ -277,7 +282,7 @@ def _designed(count: int, samples: int, seed: int, indices: bool) -> Array:
 
 
 def _run(
-    model: Model, sample: dict[str, Array], of: str, workers: int = 1, watch: Callable[[int, int], Any] | None = None
+    model: Model, sample: dict[str, Array], of: str, workers: Workers = HERE, watch: Callable[[int, int], Any] | None = None
 ) -> tuple[Array, Array]:
     """A result for each case of a sample, and whether it was computed."""
     check_sample("propagate", model, sample)

@@ -4,30 +4,38 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 
+from stickslip.basics.batch import some_of
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, did_you_mean
+from stickslip.basics.executors import HERE, Workers
 from stickslip.basics.fields import leaves, replace_leaf
+from stickslip.basics.interruption import Interrupted, takes_some_cases
+from stickslip.basics.pool import handed_out
 from stickslip.basics.quantities import pretty_unit
+from stickslip.basics.status import Status
 from stickslip.basics.variables import VARIABLES, in_units_of
+from stickslip.dynamics.stroboscopic.chunked_runs import chunks_of
 from stickslip.inverse.optimisation.peaks import LIMITS
 from stickslip.models.machine_adapter import machine_of
-from stickslip.studies.models_of_points import Group
+from stickslip.studies.models_of_points import Group, starts_at
 from stickslip.studies.planning import SOLVER
-from stickslip.studies.result_columns import COLUMNS, dim_of, part_columns
+from stickslip.studies.result_columns import COLUMNS, concatenated, dim_of, part_columns
 from stickslip.studies.solving import columns_of_group
 
 #: Drive periods that a motion is given to settle.
 PERIODS = 400
+_LEAST = 16  # cases that are sent to a worker together
 
 
 def results_of(
     model: Model,
     cases: int,
-    workers: int = 1,
+    workers: Workers = HERE,
     start: dict[str, Any] | None = None,
     rtol: float = 1e-6,
     watch: Callable[[int, int], None] | None = None,
@@ -43,9 +51,41 @@ def results_of(
     [0.002032039, 0.004308808]
     """
     options = SOLVER | {"periods": PERIODS, "rtol": rtol, "observe": observe}
-    columns = columns_of_group(Group(np.arange(cases), model, start or {}), options, workers, watch, Counter())
+    whole = Group(np.arange(cases), model, start or {})
+    if workers.elsewhere:
+        columns = _computed_elsewhere(whole, options, workers, watch)
+    else:
+        columns = columns_of_group(whole, options, workers.threads, watch, Counter())
     columns.setdefault("mean_velocity", np.full(cases, np.nan))
     return columns
+
+
+def _computed_elsewhere(
+    whole: Group, options: dict[str, Any], workers: Workers, watch: Callable[[int, int], None] | None
+) -> dict[str, Array]:
+    """The columns of a group whose cases are divided among the workers of an executor."""
+    cases = len(whole.at)
+    parts = chunks_of(cases, max(_LEAST, -(-cases // (2 * workers.count))))
+    columns = [{"status": np.full(part.stop - part.start, Status.NOT_COMPUTED, COLUMNS["status"])} for part in parts]
+
+    def piece(part: slice) -> Group:
+        return Group(whole.at[part], some_of(whole.robot, part), starts_at(whole.start, whole.at[part]))
+
+    pieces = ((k, piece(part)) for k, part in enumerate(parts))
+    done = 0
+    try:
+        for (k, group), result in handed_out(partial(_columns_of_piece, options), pieces, workers):
+            columns[k], done = result, done + len(group.at)
+            if watch is not None:
+                watch(done, cases)
+    except Interrupted:
+        if not takes_some_cases():
+            raise
+    return concatenated(columns)
+
+
+def _columns_of_piece(options: dict[str, Any], piece: tuple[int, Group]) -> dict[str, Array]:
+    return columns_of_group(piece[1], options, 1, None, Counter())
 
 
 def quantities(model: Model) -> list[str]:
