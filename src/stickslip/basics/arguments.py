@@ -23,6 +23,7 @@ from stickslip.basics.contracts import (
     DeclaresContact,
     DeclaresParts,
     DynamicLaw,
+    Executor,
     Law as AnyLaw,
     Model as AnyModel,
     Numeric,
@@ -30,7 +31,6 @@ from stickslip.basics.contracts import (
     SetValuedLaw,
 )
 from stickslip.basics.errors import InputError, NoBodies, OneContactNeeded, Problems, StickslipError, is_whole
-from stickslip.basics.executors import Executor
 from stickslip.basics.fields import checked_number, number
 from stickslip.basics.quantities import allowed_in, example_of
 

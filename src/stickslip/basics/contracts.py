@@ -5,6 +5,7 @@ Velocities are in m/s, forces in N, times in s. Every number may be an array of 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, runtime_checkable
 
 if TYPE_CHECKING:
@@ -185,3 +186,11 @@ class DataFrame(Protocol):
         """Names of the columns."""
 
     def __getitem__(self, name: Any, /) -> Any: ...
+
+
+@runtime_checkable
+class Executor(Protocol):
+    """What has the `submit` of `concurrent.futures.Executor`; its futures have done(), result(), exception() and cancel()."""
+
+    def submit(self, function: Callable[..., Any], /, *args: Any) -> Any:
+        """Begin a call, and return a future."""

@@ -23,8 +23,9 @@ from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
 from dataclasses import dataclass, replace
 from types import TracebackType
-from typing import Any, NamedTuple, Protocol, runtime_checkable
+from typing import Any, NamedTuple
 
+from stickslip.basics.contracts import Executor
 from stickslip.basics.errors import InputError, Problems, StickslipError
 from stickslip.basics.fingerprints import fingerprint
 from stickslip.basics.interruption import CTRL_C, Interrupted, StopRequest, in_threads
@@ -36,14 +37,6 @@ _RECALL = 0.05  # how often a worker looks whether its chunk is still wanted [s]
 _AT_ONCE = 64  # chunks handed out at once, where the number of workers is not known
 _DONE, _WRONG, _RECALLED, _UNREADABLE, _OTHER = "done", "wrong", "recalled", "unreadable", "other"
 _BY_VALUE = 'write it into a module (a .py file that the workers can import), or type "pip install cloudpickle"'
-
-
-@runtime_checkable
-class Executor(Protocol):
-    """What has the `submit` of `concurrent.futures.Executor`; its futures have done(), result(), exception() and cancel()."""
-
-    def submit(self, function: Callable[..., Any], /, *args: Any) -> Any:
-        """Begin a call, and return a future."""
 
 
 class Lost(Exception):
