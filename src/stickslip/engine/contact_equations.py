@@ -203,10 +203,12 @@ def loads_that_end(parts: Assembly, i: int) -> list[Sym]:
 def borders_of_loads(parts: Assembly, i: int) -> list[Sym]:
     """What is positive as long as one load of a contact follows from its motion, at rest to either side; nothing where it is given."""
     m, borders = parts.m, []
+    if not m.of_motion[i] or m.laws[i].dynamic:
+        return []
     slip, one, mode = parts.slip(i), m.graph.constant(1.0), parts.modes[i] if i < len(parts.modes) else None
     for side in (1.0, -1.0):
         m.graph.assumed[slip.number] = side
-        decides = m.equations.decides(i, m.t, m.places, m.laws[i].sliding(slip, 1.0)) if m.of_motion[i] and not m.laws[i].dynamic else None
+        decides = m.equations.decides(i, m.t, m.places, m.laws[i].sliding(slip, 1.0))
         borders += [] if decides is None else [m.graph.select(-side * mode, one, m.lift(decides) - _BESIDE)]
     m.graph.assumed.clear()
     return borders

@@ -35,7 +35,7 @@ def start_states(model: Model, labels: Labels, start: Any, problems: Problems) -
     A table (cases, 2 coordinates + inner states + memories): coordinates, their velocities, and what laws and controllers hold.
     """
     if machine_of(model).names_parts:
-        return start_of_parts(model, labels, start, problems)
+        return _of_parts(model, labels, start, problems)
     return _of_one_body(model, labels, start, problems)
 
 
@@ -101,7 +101,7 @@ def _check_sizes(model: Any, labels: Labels, table: Any, problems: Problems) -> 
         )
 
 
-def start_of_parts(model: Model, labels: Labels, start: Any, problems: Problems) -> Array:
+def _of_parts(model: Model, labels: Labels, start: Any, problems: Problems) -> Array:
     """The same of a machine that names its parts."""
     batch = flat(model)
     mechanics, cases = machine_of(batch).mechanics, labels.cases

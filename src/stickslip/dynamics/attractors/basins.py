@@ -303,7 +303,7 @@ def _usual(at: Coordinates) -> dict[str, Array]:
 
     Of several bodies over their velocities alone.
     """
-    if at.mechanics is not None:
+    if at.named:
         names = at.names[at.order.velocities]
         return {n: np.linspace(-2, 2, 41) * at.speed for n in names}
     inner = at.smooth - at.order.velocities.stop

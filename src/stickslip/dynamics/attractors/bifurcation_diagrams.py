@@ -231,7 +231,7 @@ def _dataset(how: _Look, parameter: str, values: Array, diagram: dict[str, Array
         columns["mean_velocity"] = (flat, diagram["mean_velocity"], velocity_attrs(model))
     columns["period"] = (flat, diagram["period"], {"units": "1", "long_name": "drive periods until it repeats (0: none, -1: not computed)"})
     columns |= {name: (flat, diagram[name], attributes) for name, attributes in of_motions(at.section is not None).items()}
-    if at.mechanics is None and adapter_of(model).has_bodies:
+    if at.mechanics is not None and not at.named:
         columns["v_max"] = (flat, diagram["v_max"], {"units": "m/s", "long_name": "largest velocity"})
         columns["v_min"] = (flat, diagram["v_min"], {"units": "m/s", "long_name": "smallest velocity"})
     if at.section is not None:

@@ -11,7 +11,7 @@ from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import floats, number
 from stickslip.dynamics.periodic.closed_orbits import ClosedMotion
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, state_at_rest, states_of_parts, strobe_states
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, state_at_rest, states_of_start, strobe_states
 from stickslip.models.model_adapter import adapter_of
 from stickslip.models.state_layout import of_one_contact
 from stickslip.models.switching_flow import knows_mode, unknown_mode
@@ -30,8 +30,8 @@ def states_of(start: Any, model: Model) -> Array:
         return np.array(_checked(start, table, at))
     if not adapter_of(model).has_bodies:
         return np.tile(_flow_state(start, model, at), (len(rest), 1))
-    if isinstance(start, dict) and at.mechanics is not None:
-        return _checked(start, states_of_parts("start", model, start), at)
+    if isinstance(start, dict) and at.named:
+        return _checked(start, states_of_start("start", model, start), at)
     if isinstance(start, dict):
         columns = [_named(start, name, rest[:, i]) for i, name in enumerate(at.names)]
         return _checked(start, np.stack(columns, axis=1), at)
@@ -81,7 +81,7 @@ def _shared(orbit: ClosedMotion, at: Coordinates, rest: Array) -> Array:
 
 def _end_of(run: Any, at: Coordinates) -> Array:
     """The last strobe state of a run of the same bodies."""
-    if at.mechanics is None:
+    if not at.named:
         return strobe_states(of_one_contact("periodic_orbit", run, "its strobe states have one velocity"))[-1]
     given, wanted = (tuple(run.body_columns), tuple(run.contacts)), (at.mechanics.bodies, at.mechanics.contacts)
     if given != wanted:
@@ -100,7 +100,7 @@ def _checked(start: Any, state: Array, at: Coordinates) -> Array:
 
 def _dict(at: Coordinates) -> str:
     """A start that can be typed."""
-    return "dict(v=0.0)" if at.mechanics is None else f"dict(v={{{at.mechanics.bodies[0]!r}: 0.0}})"
+    return "dict(v=0.0)" if not at.named else f"dict(v={{{at.mechanics.bodies[0]!r}: 0.0}})"
 
 
 def _named(start: dict[str, Any], name: str, rest: Array) -> Array:

@@ -180,7 +180,7 @@ class Closing:
         d_sums = np.einsum("ndm,ndk->nkm", d_sums[:, :d], start) + d_sums[:, d:]
         way = np.einsum("nd,ndk->nk", way[:, :d], start) + way[:, d:]
         nearer = np.hstack([end + np.einsum("nij,nj->ni", M, step) * self.scales, state[:, d:]])
-        if self.at.mechanics is not None and self.follower.is_exact:
+        if self.at.named and self.follower.is_exact:
             nearer = np.array([as_it_ends(self.at, new, last) for new, last in zip(nearer, end, strict=True)])
         return ClosedMotions(
             state, _sizes(missed), nearer, V, (way - V[:, None] * dT[:, d:]) / T[:, d:],

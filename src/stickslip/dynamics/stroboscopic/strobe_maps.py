@@ -22,13 +22,12 @@ from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.status import Status
 from stickslip.models.cyclic_coordinates import CyclicCoordinates
-from stickslip.models.forces import inner_start
 from stickslip.models.machine_adapter import MachineAdapter, machine_of
 from stickslip.models.model_adapter import ModelAdapter, adapter_of
 from stickslip.results.segments import intervals_of
 from stickslip.results.steadiness import way_of_machine
 from stickslip.solvers.flow_starts import places_of_starts
-from stickslip.solvers.initial_states import start_of_parts
+from stickslip.solvers.initial_states import start_states
 from stickslip.solvers.plain.composed_flows import mode_of_strobe_state
 
 if TYPE_CHECKING:
@@ -55,7 +54,8 @@ class Coordinates:
     scales: Array
     order: Order
     memories: int = 0  # the last so many coordinates are whole numbers that laws remember
-    mechanics: Any = None  # of a machine of several bodies: it knows their names
+    mechanics: Any = None  # of a machine; None of a flow
+    named: bool = False  # whether starts go by the names of bodies and contacts; of one body on one contact they are numbers
     wavelength: float | None = None  # of one body: its position counts modulo this, as the track repeats [m]
     section: Any = None  # of a model without a period: where its motions are looked at (see return_maps.py)
     drifts: CyclicCoordinates = CyclicCoordinates()  # of a flow: what drifts while the motion repeats
@@ -86,19 +86,8 @@ class Coordinates:
         return float(self.scales[self.order.velocities.start])
 
     def start(self, state: ArrayLike) -> dict[str, Any]:
-        """A state, or a table of them, as `solve` takes a start."""
+        """A state, or a table of them, as `solve` takes a start: positions and velocities by body, inner states and memories by contact."""
         state = np.asarray(state, float)
-        if self.mechanics is not None:
-            return self._start_of_parts(state)
-        order, memory = self.order, state[..., self.smooth :]
-        start: dict[str, Any] = {name: state[..., i] for i, name in enumerate(self.names[: order.inner.start])}
-        for name, part in (("z", state[..., order.inner]), ("memory", memory)):
-            if part.shape[-1]:
-                start[name] = part[..., 0] if part.shape[-1] == 1 else part
-        return {name: value[()] for name, value in start.items()}
-
-    def _start_of_parts(self, state: Array) -> dict[str, Any]:
-        """Positions and velocities by body, inner states and memories by contact."""
         columns, m = np.moveaxis(state[..., : self.smooth], -1, 0), self.mechanics
         q, u, z = self.order.split(columns, np.zeros_like(columns[0]))
         start = {
@@ -114,8 +103,11 @@ class Coordinates:
         ):
             own = np.split(values, np.cumsum(counts)[:-1]) if sum(counts) else []
             named = {name: np.moveaxis(each, 0, -1) for name, each in zip(names, own, strict=False) if len(each)}
-            start |= {what: {name: each[..., 0] if each.shape[-1] == 1 else each for name, each in named.items()}} if named else {}
-        return start
+            start |= {what: {name: each[..., 0][()] if each.shape[-1] == 1 else each for name, each in named.items()}} if named else {}
+        if self.named:
+            return start
+        placed = start if self.order.kept else {what: parts for what, parts in start.items() if what != "x"}
+        return {what: value for what, parts in placed.items() for value in parts.values()}
 
     def begun(self, model: Any, state: Array) -> dict[str, Any]:
         """What `solve` takes to begin a run in a state."""
@@ -123,12 +115,7 @@ class Coordinates:
 
     def at_rest(self, model: Any) -> Array:
         """The states in which runs from rest begin (cases, coordinates)."""
-        if self.mechanics is not None:
-            return states_of_parts("start", model, None, self)
-        z = inner_start(model)
-        states = np.zeros((len(z), len(self.names)))
-        states[:, self.smooth - z.shape[1] : self.smooth] = z
-        return states
+        return states_of_start("start", model, None, self)
 
     def map_of(self, model: Any, rtol: float) -> Callable[[Array, int], Ends]:
         """The strobe map of a model as a function of states and of periods."""
@@ -173,6 +160,11 @@ class Coordinates:
 @sealed
 class FlowCoordinates(Coordinates):
     """Those of a flow that switches: its states by their names, and the place of its mode among its modes, which is a memory."""
+
+    def start(self, state: ArrayLike) -> dict[str, Any]:
+        """A state, or a table of them, by the names of its numbers."""
+        state = np.asarray(state, float)
+        return {name: state[..., i][()] for i, name in enumerate((*self.names[: self.smooth], "memory"))}
 
     def begun(self, model: Any, state: Array) -> dict[str, Any]:
         """What `solve` takes to begin a run in a state."""
@@ -263,7 +255,7 @@ def coordinates(model: Model) -> Coordinates:
     memories = sum(law.modes for law in laws)
     names = (*order.names, *_memory_names(machine))
     sized = np.array(scales + [1.0] * memories)
-    return Coordinates(names, sized, order, memories, mechanics if machine.names_parts else None, _wavelength(machine, order))
+    return Coordinates(names, sized, order, memories, mechanics, machine.names_parts, _wavelength(machine, order))
 
 
 def _wavelength(machine: Any, order: Order) -> float | None:
@@ -295,11 +287,11 @@ def state_at_rest(model: Model, at: Coordinates | None = None) -> Array:
     return (coordinates(model) if at is None else at).at_rest(model)
 
 
-def states_of_parts(what: str, model: Model, start: Any, at: Coordinates | None = None) -> Array:
-    """Strobe states of a machine of several bodies from a start as `solve` takes it: array (cases, coordinates)."""
+def states_of_start(what: str, model: Model, start: Any, at: Coordinates | None = None) -> Array:
+    """Strobe states of a machine from a start as `solve` takes it: array (cases, coordinates)."""
     problems, at = Problems(what), coordinates(model) if at is None else at
     n = at.mechanics.coordinates
-    table = start_of_parts(model, labels_of(model), start, problems)
+    table = start_states(model, labels_of(model), start, problems)
     problems.check()
     q, u, rest = np.split(table, [n, 2 * n], axis=1)
     inner = rest.shape[1] - at.memories
@@ -571,7 +563,7 @@ def with_rests(model: Model, state: Array, periods: int, rtol: float) -> Array:
     by its own arcs.
     """
     at, machine = coordinates(model), machine_of(model)
-    if at.mechanics is None or machine.has_inner_states:
+    if not at.named or machine.has_inner_states:
         return state
     closed = np.where(abs(state) <= _RESTS * at.scales, 0.0, state)
     return as_it_ends(at, closed, strobe_map(model, closed, periods, rtol).state[0])
