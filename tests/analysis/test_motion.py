@@ -140,7 +140,7 @@ def test_a_dynamic_law_that_does_not_move_rests():
 
 def test_too_many_segments_are_other_without_numbers():
     found = type_of([-1, 1], np.ones((2, 3)), np.zeros((2, 3), int), [1, 1], [np.inf, 0.2], [1.0, 0.0], 0.03)
-    assert found["motion_type"].tolist() == ["other", "rest"] and np.isnan(found["margin"][0]) and found["margin"][1] == 0.2
+    assert found["motion_type"][:].tolist() == ["other", "rest"] and np.isnan(found["margin"][0]) and found["margin"][1] == 0.2
 
 
 def slow_intervals(segments, dwell):
