@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -15,7 +16,7 @@ import stickslip as ss
 from problems import TwoBlocks, Weakening
 from rows import each_row
 from stickslip.dynamics.stroboscopic.chosen_sections import on_section
-from stickslip.dynamics.stroboscopic.strobe_maps import strobe_map, strobe_points
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_map, strobe_points
 
 MU, F, V_S, DAMPING = 0.2, 0.4, 0.3, 0.1
 COULOMB = ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0, f_plus=1.5, f_minus=1.5))
@@ -208,7 +209,45 @@ def test_a_cycle_begins_on_the_section_that_is_asked_for(section, turns, state):
     assert branch.orbits[-1].duration == pytest.approx(0.5 / 0.12 + (2 * np.pi - 2 * np.arctan2(far[1], far[0])) / np.sqrt(2.0), rel=1e-11)
 
 
-def test_a_section_of_a_driven_machine_or_of_what_drifts_along_or_a_switch_is_refused():
+@pytest.mark.parametrize("name, rests", [("stick of b", True), ("slip of b", True), ("stick of a", False)])
+def test_a_switch_of_a_contact_is_a_section_with_the_same_multipliers(name, rests):
+    """The return map from switch to switch has the cycle of the usual section, its duration, and its multipliers."""
+    blocks = TwoBlocks(0.295, Weakening())
+    usual = ss.periodic_orbit(blocks, guess=ss.solve(blocks, duration=600))
+    cycle = ss.periodic_orbit(blocks, guess=usual, section=name)
+    np.testing.assert_allclose(cycle.multipliers, usual.multipliers, atol=1e-9)
+    assert cycle.duration == usual.duration
+    assert cycle.state[1 if name.endswith("b") else 0] == pytest.approx(0.295, abs=1e-13)  # it moves with the belt
+    at = on_section(blocks, section=name)
+    points, _, took = strobe_points(blocks, cycle.state[None], 2 * cycle.period, 1e-12, at)
+    np.testing.assert_allclose(points[[cycle.period - 1, -1], 0], [cycle.state] * 2, atol=1e-12)
+    assert took.sum() == pytest.approx(2 * cycle.duration, rel=1e-12) and str(at.section) == name
+    back = ss.periodic_orbit(blocks, guess=cycle)
+    assert back.duration == pytest.approx(usual.duration, rel=1e-12) and back.on_section is None
+    if rests:
+        events = [e.t for e in cycle.run.events if f"{e.kind} of {e.part}" == name]
+        assert len([t for t in events if 1e-9 < t < cycle.duration - 1e-9]) == cycle.period - 1
+
+
+def test_studies_look_at_motions_where_a_contact_sticks():
+    blocks, name = TwoBlocks(0.295, Weakening()), "stick of b"
+    cycle = ss.periodic_orbit(blocks, guess=ss.solve(blocks, duration=600), section=name)
+    begun = coordinates(blocks).start(cycle.state)
+    found = ss.lyapunov(blocks, section=name, turns=cycle.period, periods=30, settle=20, start=begun)
+    assert abs(found.spectrum[0]) < 1e-4 and found.spectrum[1:].tolist()[1:] == [-np.inf, -np.inf]  # the same on the usual section, 1e-5
+    assert found.spectrum[:2].sum() == pytest.approx(np.log(abs(cycle.multipliers[0])) / cycle.duration, rel=1e-5)
+    branch = ss.continuation(blocks, parameter="speed", start=0.295, stop=0.2949, guess=cycle, section=name, step=0.5)
+    np.testing.assert_allclose([orbit.state[1] for orbit in branch.orbits], branch.values, atol=1e-12)  # it has just stuck to the belt
+    near = branch.at(0.29495)
+    assert near.state[1] == pytest.approx(0.29495, abs=1e-12) and near.period == cycle.period
+    diagram = ss.bifurcation(blocks, parameter="speed", values=[0.2949, 0.295], section=name, settle=200, points=4, start=begun)
+    assert diagram.period.values.ravel().tolist() == [cycle.period] * diagram.period.size
+    np.testing.assert_allclose(diagram.duration.values[:, -1], cycle.duration, rtol=1e-6)
+    verdict = ss.verdict(blocks, start=begun, section=name)
+    assert verdict.orbit.period == cycle.period and verdict.orbit.duration == pytest.approx(cycle.duration, rel=1e-9)
+
+
+def test_a_section_of_a_driven_machine_or_of_what_drifts_along_or_a_switch_that_never_happens_is_refused():
     robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb")
     pulled = ss.PulledMass(mass=1.0, stiffness=2.0, speed=0.1, friction=COULOMB.friction)
     for model, more, said in [
@@ -216,8 +255,13 @@ def test_a_section_of_a_driven_machine_or_of_what_drifts_along_or_a_switch_is_re
         (robot, dict(turns=2), "turns is given, and the model has a period"),
         (pulled, dict(section="x"), "which goes on with the spring's far end"),
         (pulled, dict(turns=0), "turns = 0"),
-        (TwoBlocks(0.33, Weakening()), dict(section="stick of b"), "stays where it stuck, so that its switch is no section which a motion"),
-        (COULOMB, dict(section="slip of contact"), "its switch is no section which a motion crosses; name a state"),
+        (TwoBlocks(0.33, Weakening()), dict(section="stick of c"), "no switch of a contact; did you mean 'stick of"),
+        (COULOMB, dict(section=("slip of contact", 0.1)), "a switch has neither value nor direction; type section='slip of contact'"),
+        (
+            replace(COULOMB, friction=ss.LuGre(1.0, 1.0, 1.5, 1.5, sigma0=1e3, sigma1=10.0, sigma2=0.0, v_s=0.2)),
+            dict(section="stick of contact"),
+            "none of its contacts rests exactly",
+        ),
     ]:
         with pytest.raises(ss.InputError, match=said):
             ss.periodic_orbit(model, **more)

@@ -18,11 +18,13 @@ from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.basics.fields import floats
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.maths import bisected
+from stickslip.models.machine_adapter import machine_of
 from stickslip.models.model_adapter import adapter_of
 
 _SLIGHT = 1e-9  # of a range: what passes a value by less is rounding
 _EVEN = 1e-6  # directions in which a state passes equally fast, but for so much
 _HALVINGS = 60
+SWITCHES = ("stick", "slip")
 _TYPE = "type section='v' for the middle of its range, section=('v', 0.0), or section=('v', 0.0, 1) for where it rises"
 
 
@@ -51,31 +53,40 @@ class Cut:
 
 @sealed
 class Asked:
-    """A section as it was asked for: a name alone, or with a value, or with a direction too; all None: the choice is free."""
+    """A section as it was asked for: a name alone, or with a value, or with a direction too; all None: the choice is free.
+
+    A switch of a contact is a name alone, such as "stick of block", and `switch` says so.
+    """
 
     name: str | None = None
     value: float | None = None
     direction: float | None = None
+    switch: bool = False
 
 
-def asked_of(what: str, section: Any, names: tuple[str, ...]) -> Asked:
-    """A section as users type it, checked against the names of the states: a name, (name, value) or (name, value, direction).
+def asked_of(what: str, section: Any, names: tuple[str, ...], switches: tuple[str, ...] = ()) -> Asked:
+    """A section as users type it: a name of a state, (name, value) or (name, value, direction); or a switch of a contact.
 
     Examples
     --------
     >>> asked_of("basins", ("v", 0.1), ("x", "v"))
-    Asked(name='v', value=0.1, direction=None)
+    Asked(name='v', value=0.1, direction=None, switch=False)
     """
     if section is None:
         return Asked()
     name, *rest = section if isinstance(section, (tuple, list)) and len(section) in (1, 2, 3) else (section,)
     if not isinstance(name, str):
         raise InputError(what, [f"section = {section!r}; allowed is a name of the state, alone or with a value and a direction; {_TYPE}"])
+    if name in switches:
+        if rest:
+            raise InputError(what, [f"section = {section!r}: a switch has neither value nor direction; type section={name!r}"])
+        return Asked(name, switch=True)
     if name not in names:
-        if " of " in name:  # "stick of two"
-            why = "a contact that sticks stays where it stuck, so that its switch is no section which a motion crosses"
+        hint = did_you_mean(name, [*names, *switches])
+        if name.partition(" of ")[0] in SWITCHES and not switches:
+            why = "none of its contacts rests exactly: under a law with a rate they never stick"
             raise InputError(what, [f"section = {section!r}: {why}; name a state; {did_you_mean(name, names)}; {_TYPE}"])
-        raise InputError(what, [f"section = {section!r}: {name!r} is not a name of the state; {did_you_mean(name, names)}"])
+        raise InputError(what, [f"section = {section!r}: {name!r} is not a name of the state, and no switch of a contact; {hint}"])
     numbers = floats(rest) if rest else np.zeros(0)
     if not np.all(np.isfinite(numbers)) or (len(numbers) > 1 and numbers[1] not in (-1.0, 1.0)):
         raise InputError(what, [f"section = {section!r}; allowed are a finite value, and as a direction 1 (rises) or -1 (falls); {_TYPE}"])
@@ -84,12 +95,31 @@ def asked_of(what: str, section: Any, names: tuple[str, ...]) -> Asked:
 
 def asked_for(what: str, section: Any, model: Any) -> Asked:
     """A section of a model as users type it; refused is a position that goes on with the far end of the spring that pulls it."""
-    asked = asked_of(what, section, state_names(model))
+    asked = asked_of(what, section, state_names(model), switch_names(model))
     far = adapter_of(model).turning_velocity
-    if asked.name in (None, "v") or far is None or not np.any(far):
+    if asked.switch or asked.name in (None, "v") or far is None or not np.any(far):
         return asked
     mistake = f"section = {asked.name!r}, which goes on with the spring's far end"
     raise InputError(what, [f"{mistake}; allowed is the velocity; type section=('v', 0.0)"])
+
+
+def contact_names(model: Any) -> tuple[str, ...]:
+    """Names of the contacts of a machine, as its events have them."""
+    return tuple(machine_of(model).mechanics.contacts)
+
+
+def switch_names(model: Any) -> tuple[str, ...]:
+    """The switches of contacts by which a section may be cut: those of contacts that rest exactly."""
+    if not adapter_of(model).has_bodies:
+        return ()
+    rests = [name for name, law in zip(contact_names(model), machine_of(model).laws, strict=True) if not law.dynamic]
+    return tuple(f"{kind} of {name}" for name in rests for kind in SWITCHES)
+
+
+def switches_in(run: Any, name: str) -> Array:
+    """The instants of a run at which a contact sticks, or slips."""
+    kind, _, contact = name.partition(" of ")
+    return np.array([event.t for event in run.events if event.kind == kind and event.part == contact])
 
 
 def state_names(model: Any) -> tuple[str, ...]:

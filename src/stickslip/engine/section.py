@@ -3,6 +3,8 @@
 The weights, the value and the number of returns are numbers of the case, so one kernel serves all sections, a lane for each start. A run
 that begins on the section, or beyond it, has to fall below it first: what it begins with is no return. The section changes nothing else
 of the system.
+
+Another section is a switch of a contact that rests exactly: it sticks, or slips. The states there are those after the switch.
 """
 
 from __future__ import annotations
@@ -10,6 +12,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from stickslip.basics.status import Status
+from stickslip.engine.symbols import Sym
 from stickslip.engine.system import System, TracedSwitch
 
 #: The numbers of a case that are the value on the section, and after how many returns its run ends.
@@ -62,4 +65,57 @@ def until_section(system: System) -> System:
             first + 1: TracedSwitch((*system.modes, zero, count + one), same),
             first + 2: TracedSwitch((*system.modes, below, count), same, Status.RETURNED),
         },
+    )
+
+
+def switch_of(number: int, kind: str) -> str:
+    """The name of the number of a case that is 1 where a contact's switch is the section: "stick" or "slip"."""
+    return f"section {kind} of contact {number}"
+
+
+def until_switch(system: System) -> System:
+    """The system whose run ends where contacts have come to rest, or broken away, so many times, with the status `Status.RETURNED`.
+
+    Which contact's switches count are numbers of the case. What a run begins with is no return: a mode says whether the contact has come
+    to rest since the start, or, where it is looked at as it sticks, rests there. So starts beside the section return as those on it do.
+
+    Examples
+    --------
+    >>> from stickslip.engine.trace import trace
+    >>> from stickslip.models.friction import Coulomb
+    >>> from stickslip.models.machines.block_on_belt import BlockOnBelt
+    >>> belt = trace(BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=Coulomb(1.0, 1.0)))
+    >>> until_switch(belt).names[-3:]
+    ('section stick of contact 0', 'section slip of contact 0', 'section returns')
+    """
+    graph, n = system.graph, len(system.modes)
+    one, zero = graph.constant(1.0), graph.constant(0.0)
+    resting = {i: contact.modes[0] for i, contact in enumerate(system.contacts) if contact.branches is not None}
+    counted = {i: (graph.case(switch_of(i, "stick")), graph.case(switch_of(i, "slip"))) for i in resting}
+    rested, count = (graph.mode(f"mode{n + k}") for k in range(2))
+
+    def at_rest(mode: Sym) -> Sym:
+        return graph.select(mode * mode - graph.constant(0.25), zero, one)
+
+    def extended(switch: TracedSwitch) -> TracedSwitch:
+        known, total = rested, count
+        for i, place in resting.items():
+            before, after = at_rest(system.modes[place]), at_rest(switch.modes[place])
+            sticks, slips = (one - before) * after, before * (one - after)
+            stick, slip = counted[i]
+            total = total + (stick * sticks + slip * slips) * rested
+            known = graph.select((stick + slip) * sticks - graph.constant(0.5), one, known)
+        return replace(switch, modes=(*switch.modes, known, total))
+
+    begins = zero
+    for i, place in resting.items():
+        begins = begins + counted[i][0] * at_rest(system.first_modes[place])
+    last = TracedSwitch((*system.modes, rested, count), (None,) * system.states, Status.RETURNED)
+    return replace(
+        system,
+        names=(*system.names, *(weight.name for pair in counted.values() for weight in pair), RETURNS),
+        guards=(*system.guards, graph.case(RETURNS) - graph.constant(0.5) - count),
+        modes=(*system.modes, rested, count),
+        first_modes=(*system.first_modes, begins, zero),
+        switches={k: extended(switch) for k, switch in system.switches.items()} | {len(system.guards): last},
     )

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.analysis.section_choice import asked_for
 from stickslip.basics.arguments import Maker, described_as, explains_arguments
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems, SolveError
@@ -25,7 +26,7 @@ from stickslip.dynamics.continuation.following.traced_branch import BranchTrace,
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.continuation.special_points.accuracy import Special
 from stickslip.dynamics.continuation.special_points.own_events import Event, checked_events
-from stickslip.dynamics.periodic.limit_cycles import LimitCycle
+from stickslip.dynamics.periodic.limit_cycles import LimitCycle, at_its_switch
 from stickslip.dynamics.periodic.periodic_orbits import RTOL, PeriodicOrbit, periodic_orbit
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.model_adapter import adapter_of
@@ -57,6 +58,8 @@ class Branch(Drawn):
         The reason why it ends.
     events : dict
         User-defined events by name: functions of an orbit, whose zeros are special points of that name.
+    switch : str, optional
+        The switch of a contact at which its cycles are shown, such as "stick of block", where that was asked for.
 
     Examples
     --------
@@ -73,6 +76,7 @@ class Branch(Drawn):
     special: list[Special]
     ended: str
     events: Mapping[str, Event] = field(default_factory=dict)
+    switch: str | None = None
 
     @property
     def parameter(self) -> str:
@@ -112,7 +116,8 @@ class Branch(Drawn):
     def at(self, value: float) -> PeriodicOrbit:
         """The orbit of this branch at a value of the parameter, by Newton's method from its nearest point."""
         nearest = int(np.argmin(abs(self.values - value)))
-        return periodic_orbit(self.family.robot(value), self.period, guess=self.orbits[nearest], rtol=self.orbits[nearest].rtol)
+        near, period = self.orbits[nearest], self.period if self.switch is None else None
+        return periodic_orbit(self.family.robot(value), period, guess=near, section=self.switch, rtol=near.rtol)
 
     @explains_arguments
     @interruptible
@@ -294,7 +299,22 @@ def continuation(
         )
     whole = trace_branch(path, begun, min(start, stop), max(start, stop), step, points, own, report)
     report(whole.ended, len(whole.points), len(whole.points))
-    return _branch(robots, first.period, whole, own)
+    branch = _branch(robots, first.period, whole, own)
+    asked = asked_for("continuation", section, first.model)
+    return _at_switches(branch, str(asked.name)) if asked.switch else branch
+
+
+def _at_switches(branch: Branch, name: str) -> Branch:
+    """A branch of cycles as they begin where a contact sticks, or slips; a cycle in which it does not is as it was, and says so."""
+
+    def shown(cycle: Any) -> Any:
+        try:
+            return at_its_switch(cycle, name)
+        except SolveError as error:
+            return replace(cycle, notes=(*cycle.notes, str(error)))
+
+    special = [replace(each, orbit=shown(each.orbit)) for each in branch.special]
+    return replace(branch, orbits=tuple(map(shown, branch.orbits)), special=special, switch=name)
 
 
 def _multiplier(meaning: str) -> dict[str, str]:

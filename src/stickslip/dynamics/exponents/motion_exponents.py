@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 
 
 _CHUNK = 50  # drive periods that are kept as dense output at a time
+_JUST_AFTER = 1e-12  # of a return to a switch: rounding must not leave out what the switch does to small changes
 _LEAST = 20  # drive periods that give an average and an error
 _ALIGN = 20  # drive periods in which directions turn into place
 _APART = 1e-7  # distance of two neighbours, in scales
@@ -139,6 +140,7 @@ def _between_returns(
     d, state, scales = at.smooth - len(at.drifts.free), states_of(start, model), at.scales[: at.smooth]
     state = strobe_map(model, state, settle, rtol, at).state if settle else state
     Q, parts, watch = np.eye(d), -_ALIGN, Watch(periods, progress)
+    after = 1.0 + _JUST_AFTER if at.section.is_switch else 1.0
     growth = partial(_growth_of_machine, model, scales, rtol) if adapter_of(model).has_bodies else partial(_growth_of_flow, model)
     logs: list[Array] = []
     times: list[float] = []
@@ -148,7 +150,7 @@ def _between_returns(
             count = _ALIGN if parts < 0 else min(_CHUNK, periods - parts)
             points, _, took = strobe_points(model, state, count, rtol, at)
             begins, state = np.vstack([state, points[:-1, 0]]), points[-1]
-            for M, volume in growth(begins, took[:, 0]):
+            for M, volume in growth(begins, took[:, 0] * after):
                 Q, own = grown(M, Q)
                 logs.append(_grown(own, volume, 0))
             times += took[:, 0].tolist()

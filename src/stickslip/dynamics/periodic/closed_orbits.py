@@ -25,6 +25,7 @@ class Repeating(Drawn, OfOneRun):
     """A periodic motion, with its stability from its multipliers."""
 
     multipliers: Any  # array: a field of orbits of flows, a property of those of machines
+    strobe_state: Any
 
     _drawn_by = "phase"
 
@@ -35,6 +36,11 @@ class Repeating(Drawn, OfOneRun):
 
     def _drawn(self) -> Any:
         return self.run
+
+    @property
+    def section_state(self) -> Array:
+        """The state by which it is followed."""
+        return np.asarray(self.strobe_state)
 
     @property
     def stable(self) -> bool:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.analysis.oscillation import Oscillation, oscillation_of_cycle
-from stickslip.analysis.section_choice import Asked, asked_for, cut_of, passages
+from stickslip.analysis.section_choice import Asked, asked_for, cut_of, passages, switches_in
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, SolveError
 from stickslip.basics.frozen_arrays import sealed
@@ -56,6 +56,10 @@ class LimitCycle(ClosedMotion):
         How far the state is from itself after it, in the scales of its coordinates.
     rtol : float
         Tolerance of the runs that it was computed with.
+    section : Section
+        Where it is cut.
+    on_section : array, optional
+        The state there, where the cycle is shown from a contact's switch (``section="stick of block"``).
 
     Examples
     --------
@@ -74,6 +78,12 @@ class LimitCycle(ClosedMotion):
     rtol: float
     notes: tuple[str, ...] = ()
     section: Section = TURN
+    on_section: Any = None
+
+    @property
+    def section_state(self) -> Array:
+        """The state on the section by which the cycle was computed, also where it is shown from a contact's switch."""
+        return self.state if self.on_section is None else np.asarray(self.on_section)
 
     @property
     def period_time(self) -> float:
@@ -181,7 +191,11 @@ def limit_cycle(
     >>> round(cycle.mean_velocity, 12), round(cycle.duration, 10)  # the same cycle, seen from the ground
     (0.1, 7.6112592541)
     """
-    state, duration, section, period = _guessed(model, period, guess, asked_for("periodic_orbit", section, model))
+    asked = asked_for("periodic_orbit", section, model)
+    if asked.switch:
+        usual = limit_cycle(model, None, guess, rtol=rtol, tolerance=tolerance)
+        return at_its_switch(usual, str(asked.name), period)
+    state, duration, section, period = _guessed(model, period, guess, asked)
     at, unit = coordinates(model), clock(model)
 
     def problem(memory: Array) -> Any:
@@ -220,6 +234,30 @@ def _once(cycle: LimitCycle, rtol: float, tolerance: float) -> LimitCycle:
     return cycle
 
 
+def at_its_switch(cycle: LimitCycle, name: str, period: int | None = None) -> LimitCycle:
+    """A cycle as it begins where a contact sticks, or slips; its period is how often that happens.
+
+    Raises
+    ------
+    SolveError
+        Where it does not happen, and where the cycle does not repeat after the period that is asked for.
+    """
+    from stickslip.solvers import solve
+
+    usual = replace(cycle, state=cycle.section_state, on_section=None)
+    run = solve(cycle.model, duration=2 * cycle.duration, start=usual.start, keep="trajectory")
+    t = switches_in(run, name)
+    if not len(t):
+        raise SolveError(f"the cycle has no {name!r}; its contacts have the patterns {cycle.patterns}; give another section")
+    turns = int(np.sum(t <= t[0] + (1.0 - _EARLIER) * cycle.duration))
+    notes = cycle.notes
+    if period is not None and period % turns:
+        raise SolveError(f"the cycle repeats after {turns} times {name!r}, and {period} were asked for; leave the period and turns out")
+    if period is not None and period > turns:
+        notes = (f"it repeats after {turns} of the {period} turns that were asked for", *notes)
+    return replace(usual, state=states_of_returns(run, t[:1])[0], period=turns, on_section=usual.state, notes=notes)
+
+
 def clock(model: Model) -> float:
     """The time in which durations are measured [s]."""
     return largest_size(machine_of(model).time_scale)
@@ -228,7 +266,7 @@ def clock(model: Model) -> float:
 # ---- guesses ----
 def _guessed(model: Model, period: int | None, guess: Any, asked: Asked) -> tuple[Array, float, Section, int]:
     """A state on the section, how long it takes to come back, and after how many turns."""
-    if isinstance(guess, LimitCycle) and asked.name is not None:
+    if isinstance(guess, LimitCycle) and (asked.name is not None or guess.on_section is not None):
         return _cut_elsewhere(guess, period, asked)
     if isinstance(guess, LimitCycle):
         return guess.state, guess.duration, guess.section, guess.period if period is None else period

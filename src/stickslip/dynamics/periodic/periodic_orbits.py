@@ -232,7 +232,8 @@ def periodic_orbit(
         between the points of a period-doubled one).
     section : str or tuple, optional
         Of models without a period, where the cycle begins and its turns are counted: the name of a state, alone or with the value that it
-        passes and the direction (1 rises, -1 falls), such as ``("v", 0.0, -1)``. If not given, what the run shows.
+        passes and the direction (1 rises, -1 falls), such as ``("v", 0.0, -1)``; or a contact's switch, such as ``"stick of block"``.
+        If not given, what the run shows.
     turns : int, optional
         Of models without a period, how many returns to the section count as one; without `period` the cycle repeats after so many.
     rtol : float
@@ -303,6 +304,9 @@ def orbit_near(model: Model, period: int, state: Array, at: Coordinates) -> Peri
     took = float(strobe_map(model, state[None, :], period, 1e-10, at).duration[0])
     if not adapter_of(model).has_bodies:
         return cycle_of_flow(model, state, took, at)
+    if at.section.is_switch:
+        nearby = LimitCycle(model, period, state, took, np.nan, RTOL, on_section=state)
+        return limit_cycle(model, period, nearby, section=at.section.name)
     turns = machine_of(model).turning_velocity is not None and at.section.name == "v"
     section = TURN if turns else Section(at.section.index, float(at.section.value))
     return limit_cycle(model, period, LimitCycle(model, period, state, took, np.nan, RTOL, section=section))

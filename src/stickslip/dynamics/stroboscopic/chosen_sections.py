@@ -46,7 +46,8 @@ def on_section(
     model : Robot, machine or SwitchingFlow
         One, or a batch of them.
     section : str or tuple, optional
-        Another section: the name of a state, alone or with the value that it passes and the direction (1 or -1).
+        Another section: the name of a state, alone or with the value that it passes and the direction (1 or -1); or of a contact that
+        rests exactly where it sticks or slips, such as "stick of block".
     turns : int
         After how many returns the map looks again.
     states : array (starts, coordinates), optional
@@ -70,6 +71,9 @@ def on_section(
     asked, one = asked_for(what, section, model), cases_of(model)[0]
     begun: Any = None
     values: Any
+    if asked.switch:
+        shown = shown_by_a_run(one, at, Asked(), states)
+        return replace(at, section=_at_a_switch(asked, model, turns, shown.begun if shown.oscillates else None))
     if turning := _where_the_spring_turns(model, asked):
         cut, longest, values = *turning, turning[0].value
     else:
@@ -81,6 +85,12 @@ def on_section(
         values = _middles(model, at, cut, lasting, *_begun(model, states, groups, shown)) if many else cut.value
     index = at.names.index(cut.name)
     return replace(at, section=ReturnSection(cut.name, index, values, cut.direction, longest, int(turns), begun))
+
+
+def _at_a_switch(asked: Asked, model: Model, turns: int, begun: Any) -> ReturnSection:
+    """The section at which a contact sticks, or slips."""
+    longest = LONGEST_RETURN * np.asarray(_time_of(model), float)
+    return ReturnSection(str(asked.name), -1, np.nan, 1.0, longest, int(turns), begun)
 
 
 def check_section(what: str, model: Any, section: Any, turns: Any) -> None:

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.analysis.section_choice import SWITCHES, contact_names
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.status import Status
@@ -25,14 +26,14 @@ _ON = 1e-9  # of a coordinate's scale: a start that is so near to the section is
 
 @sealed
 class ReturnSection:
-    """A section of the states of a model: a coordinate that falls, or rises, through a value.
+    """A section of the states of a model: a coordinate that falls, or rises, through a value; or a contact that sticks, or slips.
 
     Parameters
     ----------
     name : str
-        The coordinate, one of the names of `coordinates`.
+        The coordinate, one of the names of `coordinates`; or the switch, such as "stick of block".
     index : int
-        Its place among them.
+        Its place among them; -1 for a switch, which has no value and no direction.
     value : array (cases,) or float
         What it passes.
     direction : float
@@ -58,6 +59,11 @@ class ReturnSection:
     turns: int = 1
     begun: Any = None
 
+    @property
+    def is_switch(self) -> bool:
+        """Whether it is a switch of a contact."""
+        return self.index < 0
+
     def starts(self, rest: Array) -> Array:
         """Where motions begin if no start is given: at rest, or where the run began that showed the section."""
         return rest if self.begun is None else np.tile(self.begun, (len(rest), 1))
@@ -72,11 +78,15 @@ class ReturnSection:
         return replace(self, value=value, longest=longest)
 
     @property
-    def asked(self) -> tuple[str, float, float]:
+    def asked(self) -> str | tuple[str, float, float]:
         """The section as `section=` takes it; of a batch its first case."""
+        if self.is_switch:
+            return self.name
         return self.name, float(np.ravel(self.value)[0]), self.direction
 
     def __str__(self) -> str:
+        if self.is_switch:
+            return self.name
         values = np.unique(self.value)
         where = f"{values[0]:.6g}" if len(values) == 1 else f"values from {values[0]:.6g} to {values[-1]:.6g}"
         return f"{self.name} {'rises' if self.direction > 0 else 'falls'} through {where}"
@@ -99,27 +109,30 @@ def return_map(model: Model, rtol: float, at: Coordinates) -> Callable[[Array, i
 def _returned(model: Model, states: Array, returns: int, rtol: float, at: Coordinates, table: Any) -> tuple[Ends, Any]:
     """Some returns of each start, and the table of the cases."""
     from stickslip.engine import lanes
-    from stickslip.engine.section import RETURNS, VALUE, until_section, weight_of
+    from stickslip.engine.section import RETURNS, VALUE, until_section, until_switch
     from stickslip.solvers.lane_tables import CaseTable
     from stickslip.solvers.stepping import BUDGET
 
     order, count = at.order, len(states)
     tableau, tolerance = map_method(model, rtol)
-    kernel = lanes.kernel_of(model, tableau, False, made=until_section)
+    section = at.section
+    kernel = lanes.kernel_of(model, tableau, False, made=until_switch if section.is_switch else until_section)
     q, u, z = order.split(list(states.T[: at.smooth]), np.zeros(count))
     start = np.column_stack([*q, *u, *z, np.round(states[:, at.smooth :])])
-    section, column = at.section, _column(at, kernel)
+    column = None if section.is_switch else _column(at, kernel)
     if table is None or table.rows[0, kernel.names.index(RETURNS)] != returns:
         span = returns * np.broadcast_to(section.longest, (count,))
-        weights = {weight_of(i): np.full(count, section.direction if i == column else 0.0) for i in range(kernel.states)}
-        table = CaseTable(model, kernel, start, span, more=weights | {RETURNS: np.full(count, float(returns))})
-        offset = table.offsets[:, column] if column < table.count else 0.0
-        table.rows[:, kernel.names.index(VALUE)] = section.direction * (np.broadcast_to(section.value, (count,)) - offset)
+        numbers = {name: np.full(count, value) for name, value in _numbers_of(section, column, model, kernel).items()}
+        table = CaseTable(model, kernel, start, span, more=numbers | {RETURNS: np.full(count, float(returns))})
+        if column is not None:
+            offset = table.offsets[:, column] if column < table.count else 0.0
+            table.rows[:, kernel.names.index(VALUE)] = section.direction * (np.broadcast_to(section.value, (count,)) - offset)
     else:
         table = table.restarted(start)
-    value = section.direction * table.rows[:, kernel.names.index(VALUE)]
-    near = abs(table.start[:, 1 + column] - value) <= _ON * at.scales[at.section.index]
-    table.start[near, 1 + column] = value[near]
+    if column is not None:
+        value = section.direction * table.rows[:, kernel.names.index(VALUE)]
+        near = abs(table.start[:, 1 + column] - value) <= _ON * at.scales[at.section.index]
+        table.start[near, 1 + column] = value[near]
     results = lanes.run(kernel, table.rows, table.start, lanes.Job(1, 0, False, tolerance, 0.75, BUDGET * returns))
     positions, v, inner = table.ends(results)
     zero = (np.zeros(count),) if order.cyclic else ()
@@ -134,6 +147,17 @@ def _returned(model: Model, states: Array, returns: int, rtol: float, at: Coordi
     state[:, 0] -= np.where(good, machine_of(model).far_end_velocity * duration, 0.0)
     status = np.where(returned, int(Status.FINISHED), results.status)
     return Ends(state, way, status, results.wide_max + offset, results.wide_min + offset, duration=duration), table
+
+
+def _numbers_of(section: ReturnSection, column: int | None, model: Model, kernel: Any) -> dict[str, float]:
+    """The numbers of a case that say which section it is: weights of the states, or which contact's switches count."""
+    from stickslip.engine.section import switch_of, weight_of
+
+    if column is not None:
+        return {weight_of(i): section.direction if i == column else 0.0 for i in range(kernel.states)}
+    kind, _, name = section.name.partition(" of ")
+    names = {switch_of(i, each): (each, contact) for i, contact in enumerate(contact_names(model)) for each in SWITCHES}
+    return {number: float(which == (kind, name)) for number, which in names.items() if number in kernel.names}
 
 
 def _returned_by_flow(flow: Any, states: Array, returns: int, at: Coordinates) -> Ends:

@@ -44,7 +44,11 @@ class CyclePath(Path):
 
     def inner(self, orbit: Any) -> Array:
         """The unknowns of a cycle besides the parameters."""
-        return self.section.unknowns(self.at, orbit.strobe_state, orbit.duration, self.unit)
+        return self.section.unknowns(self.at, orbit.section_state, orbit.duration, self.unit)
+
+    def remembered(self, orbit: Any) -> Array:
+        """The law's memory on the section."""
+        return np.asarray(orbit.section_state[self.at.smooth :])
 
     def later(self, orbit: Any) -> Array:
         """The same unknowns half a cycle later, where that is a turn of the spring too: else no numbers."""
