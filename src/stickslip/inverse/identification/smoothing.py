@@ -27,7 +27,9 @@ _NONE = 1e-4  # noise of a difference of neighbours, in root mean squares of the
 _ORDERS = (5, 7, 9)  # of differences that tell noise from a motion that is coarsely sampled
 _COARSE = 0.25  # distinct values for each sample below which a channel is one of counts
 EDGES = 16  # changes of a count, fewer than which do not show a motion
-_TURNS = 0.25  # of the changes of a count that go back, above which noise and not the motion makes them
+_DITHER = 0.5  # of a count: noise of a channel of counts that is supposed at first
+_BURIED = 0.38  # of a count: noise, rounding included, from which on rounding is a part of it and edges show nothing
+_PASSES = 3  # times that a motion is smoothed, each with the noise that the one before has left
 _EDGE = 0.05  # of a count, by which the edges of an encoder may be off
 _MOST = 200_000  # values of all channels together
 _FEW, _FINER = 128, 3  # knots at first, and by how many times more if they are too few
@@ -50,6 +52,8 @@ class MotionChannel:
         Standard deviation of its noise, besides that of rounding.
     count : float
         Step to which it is rounded; 0 for none that matters.
+    least : float
+        The noise is not less than that.
     """
 
     order: int
@@ -57,6 +61,7 @@ class MotionChannel:
     y: Any
     sigma: float
     count: float = 0.0
+    least: float = 0.0
 
     def rows(self) -> tuple[Any, Any, Any]:
         """Instants, values and standard deviations to be met: of counts the edges, which are crossed between two samples."""
@@ -190,7 +195,7 @@ def smoothed(channels: tuple[MotionChannel, ...]) -> Smooth | None:
     step = min(float(np.median(np.diff(c.t))) for c in channels if len(c.t) > 1)
     start, end = min(float(c.t[0]) for c in channels), max(float(c.t[-1]) for c in channels)
     finest = max(int(np.ceil((end - start) / step)), 8)
-    for _ in range(2):  # once more with the noise that is left
+    for _ in range(_PASSES):  # again with the noise that is left
         motion, free = _best(channels, start, end - start, finest)
         channels = tuple(_with_its_noise(c, motion, free) for c in channels)
     return replace(motion, channels=channels)
@@ -209,12 +214,17 @@ def _bends(y: ArrayLike, order: int) -> float:
 
 
 def _with_its_noise(c: MotionChannel, motion: Smooth, free: float) -> MotionChannel:
-    """A channel with the noise that the smoothed motion leaves of it."""
-    if c.count or len(c.t) < 16:
+    """A channel with the noise that the smoothed motion leaves of it, of counts besides their rounding."""
+    if len(c.t) < 16:
         return c
     rest = c.y - motion.at(c.t, c.order)
+    if c.count:
+        whole = float(np.mean(rest**2)) / max(free, 0.1)
+        if whole > (_BURIED * c.count) ** 2:
+            return replace(c, sigma=float(np.sqrt(whole)), count=0.0, least=float(np.sqrt(whole)))
+        return replace(c, sigma=float(np.sqrt(max(whole - c.count**2 / 12, 0.0))))
     usual = float(np.median(abs(rest))) / 0.6744897501960817 / np.sqrt(max(free, 0.1))
-    return replace(c, sigma=max(usual, 0.5 * c.sigma))
+    return replace(c, sigma=max(usual, 0.5 * c.sigma, c.least))
 
 
 def _best(channels: tuple[MotionChannel, ...], start: float, span: float, finest: int) -> tuple[Smooth, float]:
@@ -263,13 +273,8 @@ def _chosen(rows: _Rows) -> tuple[float, float, float, Any, float]:
 
 
 def counted(y: Array) -> float:
-    """The step of a channel that is one of counts which the motion crosses one by one; 0 of any other."""
-    values = np.unique(y)
-    if not _is_coarse(y):
-        return 0.0
-    steps = np.diff(y)[np.diff(y) != 0]
-    back = float(np.mean(steps[1:] * steps[:-1] < 0)) if len(steps) > 1 else 0.0
-    return float(np.min(np.diff(values))) if back < _TURNS and len(steps) >= EDGES else 0.0
+    """The step of a channel that is one of counts, of which enough are crossed; 0 of any other."""
+    return float(np.min(np.diff(np.unique(y)))) if _is_coarse(y) and np.count_nonzero(np.diff(y)) >= EDGES else 0.0
 
 
 def edges_too_few(y: Array) -> int | None:
@@ -309,4 +314,6 @@ def channel(order: int, t: Array, y: Array) -> MotionChannel | None:
         return None
     count, level = counted(y), noise(y)
     level = level if np.isfinite(level) else 0.0
-    return MotionChannel(order, t, y, 0.0 if count else level, count)
+    if count and level <= _BURIED * count:
+        return MotionChannel(order, t, y, _DITHER * count, count)
+    return MotionChannel(order, t, y, level, least=0.8 * level if count else 0.0)
