@@ -61,3 +61,23 @@ def test_friction_inertia_and_motor_of_a_servo_from_one_log():
     rest = fit.predicted[0] - rec["angle"].si
     assert np.std(rest) == pytest.approx(2 * np.pi / 4096 * np.hypot(0.3, 1 / np.sqrt(12)), rel=0.15)
     assert "angle: rms" in fit.report() and set(fit.sensor) == {"delay", "zero", "begin"}
+
+
+@pytest.mark.slow
+def test_what_two_loads_do_not_tell_apart_is_said_before_the_search_and_after_it():
+    """k_t/R and k_t²/R + c is all that Coulomb friction shows of k_t, R and c, whatever the load; friction and inertia are determined."""
+    masses, commands = (1.0, 0.5), (chirp, sines)
+    records = [log(M1, mass, command, 3.0, seed) for seed, (mass, command) in enumerate(zip(masses, commands, strict=True))]
+    arms = [pendulum(mass, 0.15, 0.1) for mass in masses]
+    free = {"motor_inertia": (1e-3, 0.1), "load.base": (0.0, 0.3), "load.viscous": (0.0, 0.3), "motor.k_t": (1.0, 3.0)}
+    free["motor.resistance"] = (1.0, 6.0)
+    guess = servo().replace({"motor_inertia": 0.02, "load.base": 0.08})
+    fit = ss.identify(records, guess, free=free, starts=1, inertia=[J for J, _ in arms], gravity_torque=[G for _, G in arms])
+    confounded = {"motor.k_t", "motor.resistance", "load.viscous"}
+    assert set(fit.undetermined) == confounded and len(fit.combinations) == 2
+    assert any("at the guess" in note and all(name in note for name in confounded) for note in fit.notes)
+    k_t, R, c = fit.values["motor.k_t"], fit.values["motor.resistance"], fit.values["load.viscous"]
+    assert k_t / R == pytest.approx(M1["kt"] / M1["R"], rel=0.01)
+    assert k_t**2 / R + c == pytest.approx(M1["kt"] ** 2 / M1["R"] + M1["friction_viscous"], rel=0.005)
+    for name, value in (("motor_inertia", M1["armature"]), ("load.base", M1["friction_base"])):
+        assert abs(fit.values[name] - value) < 3.5 * fit.errors[name] < 0.2 * value, name

@@ -225,11 +225,11 @@ class CommandedProblem(OverParameters):
     def _followed(self, i: int, places: Any, own: Any) -> Any:
         """The motions of some cases: array (cases, values); NaN where there is none."""
         target, whole = self.targets[i], np.full((len(places), self.targets[i].count), np.nan)
-        good, batches = self.parameters.batches(places)
+        good, batch = self._machines(i, places)
         if not good.any():
             return whole
         zero, begin = own[good].T
-        machines, name, start = machine_of(batches[i]).commands[target.role]
+        machines, name, start = machine_of(batch).commands[target.role]
         machines = machines.replace({start: target.y[0] + begin - zero})
         command = target.command - (zero[:, None] if target.role == "command" else 0.0)
         self.solves += int(good.sum())
@@ -241,6 +241,17 @@ class CommandedProblem(OverParameters):
             return whole
         whole[good] = angles[:, target.at] + zero[:, None]
         return whole
+
+    def _machines(self, i: int, places: Any) -> tuple[Any, Any]:
+        """Which places make machines, and those of one record as a batch: made at once where a machine, and no function, is at hand."""
+        of = self.parameters
+        if not (callable(of.make) or of.left_out or any(map(callable, of.tied.values()))):
+            try:
+                return np.ones(len(places), bool), of.make.replace(of.arguments(of.values(places.T), i))
+            except InputError:
+                pass  # one of them makes none
+        good, batches = of.batches(places)
+        return good, batches[i] if good.any() else None
 
     def slopes(self, point: Array, readings: Sequence[Mapping[str, Any]]) -> tuple[Any, Any]:
         """Derivatives by differences, all parameters in one batch."""

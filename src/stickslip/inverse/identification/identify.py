@@ -15,7 +15,7 @@ from stickslip.basics.distributions import ALLOWED, distribution_of
 from stickslip.basics.errors import InputError, Problems, is_one_of
 from stickslip.basics.fields import checked_number
 from stickslip.basics.interruption import interruptible
-from stickslip.basics.phrases import counted
+from stickslip.basics.phrases import counted, listed
 from stickslip.basics.progress import reporting
 from stickslip.basics.quantities import between
 from stickslip.inverse.identification.commanded_logs import CommandedProblem, command_log, takes_commands
@@ -33,7 +33,7 @@ from stickslip.inverse.identification.motions import motion_of
 from stickslip.inverse.identification.nesting import nested_seeds
 from stickslip.inverse.identification.parameters import Parameters, parameters
 from stickslip.inverse.identification.plausibility import contradictions
-from stickslip.inverse.identification.refinement import canonical, finished, held_back, spared_note, spared_numbers
+from stickslip.inverse.identification.refinement import canonical, finished, held_back, spared_note, spared_numbers, undetermined
 from stickslip.inverse.identification.search import SearchEnd, searched, starting_points
 from stickslip.inverse.identification.sensors import sensors_of, with_starts
 from stickslip.inverse.identification.steady_curves import moves_alike_anywhere
@@ -167,6 +167,7 @@ def identify(
     notes = _notes(records, problem)
     rough = problem.rough()
     guesses = [np.array([*point, *(n.value for n in rough.numbers)]) for point in rough.model.guesses()]
+    notes += _at_the_guess(problem, guesses)
     seeds = partial(nested_seeds, rough, starts, seed) if not guesses else lambda: guesses
     best, agree = searched(rough, 0 if guesses and starts == 1 else starts, seed, reporting(progress, "identify"), seeds)
     problem, best = finished(problem, best)
@@ -175,6 +176,17 @@ def identify(
     notes += outlier_notes(problem) + spared_note(spared)
     solved = problem.solves + rough.solves
     return _fit(problem, best, starts, agree, notes, seed, tuple(records), solved, weigh)
+
+
+def _at_the_guess(problem: MeasuredProblem, guesses: list[Any]) -> list[str]:
+    """What these records would not determine if the user's guess were right: known before the search."""
+    notes = []
+    for guess in guesses:
+        point = problem.whole(guess)
+        there = SearchEnd(point, problem.residuals(point), problem.jacobian(point), 0)
+        names = [problem.parameters.names[k] for k in undetermined(problem, there) if k < len(problem.parameters.free)]
+        notes += [f"by the derivatives at the guess these records do not determine {listed(names)} singly"] if names else []
+    return notes
 
 
 def as_list(records: Any) -> list[Any]:
