@@ -208,7 +208,7 @@ def _changes(m: Symbolic, i: int, accelerations: tuple[Sym, ...]) -> list[Any]:
 def _by_place(m: Symbolic, i: int) -> list[Sym]:
     """Rate of a slip whose row varies with the place, while velocities stay as they are."""
     zero = m.graph.constant(0.0)
-    slopes = [(m.graph.derivative(m.slips[i], place), v) for place, v in zip(m.places, m.v, strict=True) if place is not zero]
+    slopes = [(m.graph.derivative(m.slips[i], position), v) for position, v in zip(m.places, m.v, strict=True) if position is not zero]
     return [slope * v for slope, v in slopes if slope is not zero]
 
 

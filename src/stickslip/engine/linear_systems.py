@@ -58,10 +58,10 @@ def solution(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> tuple[Any
     n = len(right)
     nodes = [shorter(_symbol(graph, each)) for each in (*(entry for row in matrix for entry in row), *right)]
     rows, b = tuple(tuple(nodes[i * n : (i + 1) * n]) for i in range(n)), tuple(nodes[n * n :])
-    found = tuple(_symbol(graph, each) for each in eliminated(rows, b))
-    graph.solved[tuple(x.number for x in found)] = rows, b
-    _note(graph, rows, b, found)
-    return found
+    unknowns = tuple(_symbol(graph, each) for each in eliminated(rows, b))
+    graph.solved[tuple(x.number for x in unknowns)] = rows, b
+    _note(graph, rows, b, unknowns)
+    return unknowns
 
 
 def extended(
@@ -84,13 +84,13 @@ def extended(
     _note(graph, tuple(all_rows), tuple(all_right), (*accelerations, *forces.values()))
 
 
-def _note(graph: Graph, rows: Rows, right: tuple[Sym, ...], found: tuple[Sym, ...]) -> None:
+def _note(graph: Graph, rows: Rows, right: tuple[Sym, ...], solved: tuple[Sym, ...]) -> None:
     """Let the graph know what expressions solve: by themselves those that do not depend on one another, where something in them varies."""
     for block in _blocks(rows):
         part = tuple(tuple(rows[i][k] for k in block) for i in block)
         if not any(graph.varies(entry) for row in part for entry in row):
             continue
-        factors, unknowns = zip(*(stripped(found[i]) for i in block), strict=True)  # factors before them belong to the columns
+        factors, unknowns = zip(*(stripped(solved[i]) for i in block), strict=True)  # factors before them belong to the columns
         scaled = tuple(tuple(entry * factor for entry, factor in zip(row, factors, strict=True)) for row in part)
         system, numbers = LinearSystem(scaled, tuple(right[i] for i in block), unknowns), {x.number for x in unknowns}
         usual = all(x.args and graph.varies(x) for x in unknowns) and len(numbers) == len(unknowns)

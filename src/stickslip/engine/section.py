@@ -99,8 +99,8 @@ def until_switch(system: System) -> System:
 
     def extended(switch: TracedSwitch) -> TracedSwitch:
         known, total = rested, count
-        for i, place in resting.items():
-            before, after = at_rest(system.modes[place]), at_rest(switch.modes[place])
+        for i, index in resting.items():
+            before, after = at_rest(system.modes[index]), at_rest(switch.modes[index])
             sticks, slips = (one - before) * after, before * (one - after)
             stick, slip = counted[i]
             total = total + (stick * sticks + slip * slips) * rested
@@ -108,8 +108,8 @@ def until_switch(system: System) -> System:
         return replace(switch, modes=(*switch.modes, known, total))
 
     begins = zero
-    for i, place in resting.items():
-        begins = begins + counted[i][0] * at_rest(system.first_modes[place])
+    for i, index in resting.items():
+        begins = begins + counted[i][0] * at_rest(system.first_modes[index])
     last = TracedSwitch((*system.modes, rested, count), (None,) * system.states, Status.RETURNED)
     return replace(
         system,

@@ -105,5 +105,5 @@ def _of_body(machines: Model, kernel: lanes.Kernel, table: CaseTable, ends: Any,
         allowed = ", ".join(repr(each.name) for each in kernel.layout.bodies)
         raise InputError("followed", [f"body = {body!r}; allowed for this {type(machines).__name__} is one of {allowed}"])
     states = np.concatenate([table.start[:, None, : 1 + kernel.states], ends], axis=1)
-    place = 0 if own.position is None else 1 + own.position
-    return states[..., place], states[..., 1 + own.velocity] + table.offsets[:, own.velocity][:, None]
+    column = 0 if own.position is None else 1 + own.position
+    return states[..., column], states[..., 1 + own.velocity] + table.offsets[:, own.velocity][:, None]

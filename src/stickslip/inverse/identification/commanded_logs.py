@@ -211,7 +211,7 @@ class CommandedProblem(OverParameters):
     def _angles(self, i: int, places: Any, reading: Mapping[str, Any]) -> Any:
         """Angles of one record: array (values, cases)."""
         own = np.column_stack([np.broadcast_to(reading.get(what, 0.0), len(places)) for what in ("zero", "begin")])
-        keys = [(i, *map(float, place), *map(float, each)) for place, each in zip(places, own, strict=True)]
+        keys = [(i, *map(float, at), *map(float, each)) for at, each in zip(places, own, strict=True)]
         new = list({key: k for k, key in enumerate(keys) if key not in self._motions}.values())
         if len(self._motions) > _KEPT * len(self.targets):
             kept = {key: self._motions[key] for key in keys if key in self._motions}

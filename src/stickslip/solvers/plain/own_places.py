@@ -30,12 +30,12 @@ def rubbing(contact: Any, places: dict[str, list[Jet]], n: int) -> tuple[Jet, Je
     return x, z
 
 
-def point(place: list[Jet], at: tuple[Any, Any]) -> tuple[Jet, Jet]:
+def point(of_body: list[Jet], at: tuple[Any, Any]) -> tuple[Jet, Jet]:
     """A point of a body, from its own axes."""
-    x, z, (a, b) = place[0], place[1], at
-    if len(place) < 3:
+    x, z, (a, b) = of_body[0], of_body[1], at
+    if len(of_body) < 3:
         return x + a, z + b
-    turn: Any = place[2]
+    turn: Any = of_body[2]
     c, s = cos(turn), sin(turn)
     return x + a * c - b * s, z + a * s + b * c
 
@@ -61,11 +61,11 @@ def _end(end: Any, t: float, places: dict[str, list[Jet]], n: int) -> tuple[Any,
     if body is None:
         x, z = end.at(Jet(t, [0.0] * n, 1.0, 0.0)) if callable(end.at) else end.at
         return lifted(x, n), lifted(z, n), nothing
-    place = places[body]
+    of_body = places[body]
     if isinstance(end, Point):
-        x, z = point([*place, nothing][: max(2, len(place))], end.at)
+        x, z = point([*of_body, nothing][: max(2, len(of_body))], end.at)
         return x, z, nothing
-    return place[0], place[1] if len(place) > 1 else None, place[2] if len(place) > 2 else nothing
+    return of_body[0], of_body[1] if len(of_body) > 1 else None, of_body[2] if len(of_body) > 2 else nothing
 
 
 def solution(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> Floats:

@@ -166,8 +166,8 @@ class OwnRoute:
             M = [[*row, slope] for row, slope in zip(M, slopes, strict=True)]
             M.append([*slopes, 0.0])
             h.append(-bias)
-        found = solution(M, h)
-        return found[: len(self.names)], {i: -force for i, force in zip(keeping, found[len(self.names) :], strict=True)}
+        unknowns = solution(M, h)
+        return unknowns[: len(self.names)], {i: -force for i, force in zip(keeping, unknowns[len(self.names) :], strict=True)}
 
     def _pressing(self, i: int, state: _State) -> tuple[Any, Any]:
         """The normal force without friction, and how much of it friction of one newton takes."""
@@ -184,12 +184,12 @@ class OwnRoute:
         """Of each contact what its slip is: "" by its declaration, "along" a way in x and z, "level" along x, or "kept" at its height."""
         n, kinds = len(self.names), []
         looks = [[0.1 + 0.37 * k + 0.23 * j for j in range(n)] for k in range(3)] if not self.mechanics.by_energy else []
-        seen = [self._places(0.0, q, [0.0] * n) for q in looks]
+        arrangements = [self._places(0.0, q, [0.0] * n) for q in looks]
         for contact in self.given:
             if self.mechanics.by_energy or not (isinstance(contact.body, str) and contact.body in self.mechanics.placed):
                 kinds.append("")
                 continue
-            points = [rubbing(contact, places, n) for places in seen]
+            points = [rubbing(contact, places, n) for places in arrangements]
             size = max(abs(s) for point in points for part in point for s in part.slopes)
             moving = [j for j in range(n) if any(abs(part.slopes[j]) > _NOTHING * size for point in points for part in point)]
             rising = any(abs(s) > _NOTHING * size for _, z in points for s in z.slopes)
