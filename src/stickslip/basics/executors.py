@@ -3,7 +3,7 @@
 A chunk travels as bytes that this module makes: the function, which is the same for all of them, and the numbers of this chunk. They are
 restored inside the worker's own call, so a class that the worker cannot import is a sentence, not a broken pool. The worker compares the
 function, with the models in it, to the fingerprint of the caller's, so that an older copy of a module on another machine is noticed.
-While the call goes on, a file of its own lies in the folder of temporary files; workers on the same machine end when it is gone.
+While the call goes on, an empty folder of its own lies in the folder of temporary files; workers on the same machine end when it is gone.
 """
 
 from __future__ import annotations
@@ -127,9 +127,9 @@ class _Made:
 
 # ---- the caller ----
 class _Errand(NamedTuple):
-    """How a worker learns that its chunk is not wanted any more: a file that is there while the call goes on."""
+    """How a worker learns that its chunk is not wanted any more: an empty folder that is there while the call goes on."""
 
-    file: str
+    folder: str
     host: str
     process: int
 
@@ -149,9 +149,7 @@ class Elsewhere:
         self._recalled_at = 0.0
 
     def __enter__(self) -> Elsewhere:
-        handle, file = tempfile.mkstemp(prefix="stickslip-call-")
-        os.close(handle)
-        self._errand = _Errand(file, socket.gethostname(), os.getpid())
+        self._errand = _Errand(tempfile.mkdtemp(prefix="stickslip-call-"), socket.gethostname(), os.getpid())
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
@@ -232,8 +230,8 @@ class Elsewhere:
                 self._generations.pop(future, None)
 
     def _dismiss(self) -> None:
-        if os.path.exists(self._errand.file):
-            os.unlink(self._errand.file)
+        if os.path.exists(self._errand.folder):
+            os.rmdir(self._errand.folder)
 
     def _breaks_by(self, error: BaseException) -> None:
         """A pool broke: its futures all fail, and it takes no more."""
@@ -345,8 +343,8 @@ class _Recall(StopRequest):
 
     def __init__(self, errand: _Errand):
         super().__init__()
-        self._file, self._look_at = errand.file, 0.0
-        self._sees_it = errand.host == socket.gethostname() or os.path.exists(errand.file)
+        self._folder, self._look_at = errand.folder, 0.0
+        self._sees_it = errand.host == socket.gethostname() or os.path.exists(errand.folder)
 
     @property
     def why(self) -> str:
@@ -354,6 +352,6 @@ class _Recall(StopRequest):
         now = time.monotonic()
         if not self._why and self._sees_it and now > self._look_at:
             self._look_at = now + _RECALL
-            if not os.path.exists(self._file):
+            if not os.path.exists(self._folder):
                 self.set(CTRL_C)
         return self._why
