@@ -86,7 +86,8 @@ def asked_of(what: str, section: Any, names: tuple[str, ...], switches: tuple[st
         if name.partition(" of ")[0] in SWITCHES and not switches:
             why = "none of its contacts rests exactly: under a law with a rate they never stick"
             raise InputError(what, [f"section = {section!r}: {why}; name a state; {did_you_mean(name, names)}; {_TYPE}"])
-        raise InputError(what, [f"section = {section!r}: {name!r} is not a name of the state, and no switch of a contact; {hint}"])
+        neither = " is not a name of the state" + ", and no switch of a contact" * bool(switches)
+        raise InputError(what, [f"section = {section!r}: {name!r}{neither}; {hint}"])
     numbers = floats(rest) if rest else np.zeros(0)
     if not np.all(np.isfinite(numbers)) or (len(numbers) > 1 and numbers[1] not in (-1.0, 1.0)):
         raise InputError(what, [f"section = {section!r}; allowed are a finite value, and as a direction 1 (rises) or -1 (falls); {_TYPE}"])
