@@ -180,9 +180,10 @@ class Elsewhere:
         return future
 
     def ready(self, running: Collection[Any]) -> list[Any]:
-        """Those futures that are done; it waits for the first, but not for long."""
+        """Those futures that are done, as they were handed out; it waits for the first, but not for long."""
         if all(isinstance(each, Future) for each in running):
-            return list(wait(running, timeout=LOOK, return_when=FIRST_COMPLETED).done)
+            ended = wait(running, timeout=LOOK, return_when=FIRST_COMPLETED).done
+            return [each for each in running if each in ended]
         pause, until = _POLL[0], time.monotonic() + LOOK
         while not (done := [each for each in running if each.done()]) and time.monotonic() < until:
             time.sleep(pause)
