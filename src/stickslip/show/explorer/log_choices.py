@@ -55,7 +55,7 @@ def choices_of(wish: Any) -> Choices:
     Examples
     --------
     >>> choices_of({"units": {"Weg": "mm"}, "numbers": {"load": 20}, "law": ""})
-    Choices(units={'Weg': 'mm'}, roles={}, numbers={'load': 20.0}, machine=None, law=None, asymmetric=False)
+    Choices(units={'Weg': 'mm'}, roles={}, numbers={'load': 20.0}, machine=None, law=None, asymmetric=False, files=())
     """
     problems = Problems("fit")
     if not isinstance(wish, dict):
