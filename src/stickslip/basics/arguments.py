@@ -19,16 +19,17 @@ from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, TypeAlias, TypeVar
 
 from stickslip.basics.constructors import check_arguments
 from stickslip.basics.contracts import (
+    EXECUTORS,
     DataFrame,
     DeclaresContact,
     DeclaresParts,
     DynamicLaw,
-    Executor,
     Law as AnyLaw,
     Model as AnyModel,
     Numeric,
     OneContact,
     SetValuedLaw,
+    is_executor,
 )
 from stickslip.basics.errors import InputError, NoBodies, OneContactNeeded, Problems, StickslipError, is_whole
 from stickslip.basics.fields import checked_number, number
@@ -107,13 +108,7 @@ LawOrModel = Annotated[
     AnyLaw | AnyModel,
     Kind(lambda value: _is_law(value) or _is_model(value), f"a friction law, a Robot, a mechanism or a machine; {ROBOT}"),
 ]
-Executes = Annotated[
-    Any,
-    Kind(
-        lambda value: value is None or callable(value) or isinstance(value, Executor),
-        "an executor with submit(), or a function that makes one; type for example executor=concurrent.futures.ProcessPoolExecutor(8)",
-    ),
-]
+Executes = Annotated[Any, Kind(is_executor, EXECUTORS)]
 Numbers = Annotated[Any, Kind(_is_numbers, "a number or an array of numbers")]
 Recorded = Annotated[
     str | os.PathLike[str] | Mapping[str, Any] | DataFrame,

@@ -194,3 +194,12 @@ class Executor(Protocol):
 
     def submit(self, function: Callable[..., Any], /, *args: Any) -> Any:
         """Begin a call, and return a future."""
+
+
+#: What may be an executor, in words.
+EXECUTORS = "an executor with submit(), or a function that makes one; type for example executor=concurrent.futures.ProcessPoolExecutor(8)"
+
+
+def is_executor(value: Any) -> bool:
+    """Whether it is an executor, a function that makes one, or None."""
+    return value is None or callable(value) or isinstance(value, Executor)

@@ -25,7 +25,7 @@ from dataclasses import dataclass, replace
 from types import TracebackType
 from typing import Any, NamedTuple
 
-from stickslip.basics.contracts import Executor
+from stickslip.basics.contracts import EXECUTORS, is_executor
 from stickslip.basics.errors import InputError, Problems, StickslipError
 from stickslip.basics.fingerprints import fingerprint
 from stickslip.basics.interruption import CTRL_C, Interrupted, StopRequest, in_threads
@@ -91,9 +91,8 @@ class Workers:
         """Note what is wrong with the arguments `workers` and `executor` of a public function."""
         problems.whole("workers", self.threads, 1, example=2)
         problems.whole("retries", self.retries, 0, example=3)
-        if self.executor is not None and not callable(self.executor) and not isinstance(self.executor, Executor):
-            what = f"executor = {self.executor!r}; allowed is an executor with submit(), or a function that makes one"
-            problems.add(f"{what}; type for example executor=concurrent.futures.ProcessPoolExecutor(8)")
+        if not is_executor(self.executor):
+            problems.add(f"executor = {self.executor!r}; allowed is {EXECUTORS}")
 
 
 #: One thread of this process.

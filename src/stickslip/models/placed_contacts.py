@@ -100,27 +100,36 @@ class PlacedContact:
         return tuple(self._way(slope, places) for slope in slopes)
 
     def _way(self, slope: dict[str, Any], places: dict[str, Any]) -> Pair:
-        body, (a, b) = self.contact.body, self.contact.at or (0.0, 0.0)
+        body = self.contact.body
         x, z, turn = (*slope[body], 0.0, 0.0)[:3]
-        if len(slope[body]) == 3 and not (is_nothing(a) and is_nothing(b)):
-            angle = places[body][2].value
-            ahead, up = a * cos(angle) - b * sin(angle), a * sin(angle) + b * cos(angle)  # of the point, from the body's place
+        if len(slope[body]) == 3 and self._off_the_axis:
+            ahead, up = self._turned(places[body][2].value)
             x, z = total([x, product(turn, -1.0 * up)]), total([z, product(turn, ahead)])
         if self.rubs_on_body:
             other_x, other_z, _ = (*slope[self.contact.on], 0.0, 0.0)[:3]
             x, z = (_difference(*pair) for pair in ((x, other_x), (z, other_z)))
         return x, z
 
+    @property
+    def _at(self) -> Pair:
+        """The point on its body, from the body's own place and axes."""
+        return self.contact.at or (0.0, 0.0)
+
+    @property
+    def _off_the_axis(self) -> bool:
+        """Whether the point moves when its body turns."""
+        return not all(map(is_nothing, self._at))
+
+    def _turned(self, angle: Any) -> Pair:
+        """The point on its body that has turned by an angle."""
+        a, b = self._at
+        return a * cos(angle) - b * sin(angle), a * sin(angle) + b * cos(angle)
+
     def point(self, places: Any) -> tuple[Any, Any]:
         """The point itself from places that move, against what it rubs on: x and z with two rates."""
-        own, (a, b) = places[self.contact.body], self.contact.at or (0.0, 0.0)
+        own = places[self.contact.body]
         x, z = (*own, 0.0)[:2]
-        if is_nothing(a) and is_nothing(b):
-            ahead, up = a, b
-        elif len(own) == 3:
-            ahead, up = a * cos(own[2]) - b * sin(own[2]), a * sin(own[2]) + b * cos(own[2])
-        else:
-            ahead, up = a, b
+        ahead, up = self._turned(own[2]) if len(own) == 3 and self._off_the_axis else self._at
         other_x, other_z = (*places[self.contact.on], 0.0)[:2] if self.rubs_on_body else (0.0, 0.0)
         return x + ahead - other_x, z + up - other_z
 
@@ -157,11 +166,9 @@ class PlacedContact:
 
     def normal_at(self, q: Any) -> Pair:
         """The direction in which its body is pressed: upwards, or a quarter turn from the way along which it slips."""
-        if not self.follows:
+        if not self.follows or not self.nature.along[1]:
             return 0.0, 1.0
         x, z = way = self.ways_at(q)[self.nature.moves[0]]
-        if not self.nature.along[1]:
-            return 0.0, 1.0
         length = length_of(way, self.nature.along)
         return product(-1.0, z) / length, (x / length if self.nature.along[0] else 0.0)
 
