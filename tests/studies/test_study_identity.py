@@ -544,6 +544,31 @@ def test_a_docstring_is_no_part_of_a_function():
     assert of('"""One."""') == of('"""Two."""') != of("x = x + 1")
 
 
+def test_what_a_function_imports_counts_whether_or_not_it_was_called_and_nothing_else_that_is_imported(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "rig_numbers.py").write_text("MU = 0.3\n")
+
+    def late():
+        import rig_numbers
+
+        return rig_numbers.MU
+
+    fresh = fingerprint(late).digest
+    assert "rig_numbers" in sys.modules and late() == 0.3 and fingerprint(late).digest == fresh
+    monkeypatch.setattr(sys.modules.pop("rig_numbers"), "MU", 0.4)
+    assert fingerprint(late).digest == fresh  # the file says 0.3
+    monkeypatch.setattr(sys.modules["rig_numbers"], "MU", 0.4)
+    assert fingerprint(late).digest != fresh
+    monkeypatch.delitem(sys.modules, "rig_numbers")
+
+    def attribute(error):
+        return error.rig_numbers
+
+    before = fingerprint(attribute).digest
+    monkeypatch.setitem(sys.modules, "rig_numbers", SimpleNamespace(MU=0.5))
+    assert fingerprint(attribute).digest == before  # an attribute is no module of that name
+
+
 def test_what_cannot_be_compared_is_told(tmp_path):
     import threading
 

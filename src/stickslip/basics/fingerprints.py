@@ -12,6 +12,7 @@ import dis
 import enum
 import functools
 import hashlib
+import importlib
 import os
 import re
 import sys
@@ -35,6 +36,7 @@ _ASIDE = frozenset(
     }
 )  # fmt: skip
 _BY_TEXT = frozenset({"eval", "exec", "compile", "globals", "getattr", "vars", "import_module", "attrgetter", "__import__"})
+_IMPORTERS = frozenset({"import_module", "__import__", "exec"})
 _ENVIRONMENT = frozenset({"environ", "getenv", "environb", "expandvars"})
 _READERS = frozenset({"open", "read_text", "read_bytes", "loadtxt", "genfromtxt", "fromfile", "read_csv", "load", "urlopen"})
 _NAME = re.compile(r"[A-Za-z_]\w*")
@@ -230,9 +232,10 @@ def content_of(cell: Any, empty: Any = ...) -> Any:
 
 @dataclass(frozen=True)
 class _Names:
-    """What a function's code refers to: names, and texts that may be names."""
+    """What a function's code refers to: names, modules that it imports, and texts that may be names."""
 
     names: frozenset[str]
+    imports: frozenset[str]
     texts: frozenset[str]
 
 
@@ -242,9 +245,9 @@ def _code(walk: _Walk, code: types.CodeType) -> _Names:
     walk.put("code", str((code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, code.co_flags & 0xFFFF)))
     walk.put(*code.co_varnames[:taken])
     walk.put(getattr(code, "co_exceptiontable", b"").hex())
-    names, texts = set(code.co_names), set[str]()
+    names, imports, texts = set(code.co_names), set[str](), set[str]()
     steps = [step for step in dis.get_instructions(code) if step.opname != "CACHE"]
-    for step, after in zip(steps, [*steps[1:], None], strict=True):
+    for at, (step, after) in enumerate(zip(steps, [*steps[1:], None], strict=True)):
         walk.put(step.opname)
         if step.opcode in dis.hasconst:
             if after is not None and after.opname == "STORE_NAME" and after.argval in ("__doc__", "__firstlineno__", "__qualname__"):
@@ -253,15 +256,18 @@ def _code(walk: _Walk, code: types.CodeType) -> _Names:
                 if isinstance(part, types.CodeType):
                     inner = _code(walk, part)
                     names |= inner.names
+                    imports |= inner.imports
                     texts |= inner.texts
                 else:
                     walk.of(part)
                     texts |= {part} if isinstance(part, str) else set()
         elif step.opcode in dis.hasname or step.opcode in dis.hasfree:
             walk.put(str(step.argval))
+            if step.opname == "IMPORT_NAME":
+                imports.add("." * int(steps[at - 2].argval) + str(step.argval))  # level and names are loaded before
         else:
             walk.put(str(step.arg))
-    return _Names(frozenset(names), frozenset(texts))
+    return _Names(frozenset(names), frozenset(imports), frozenset(texts))
 
 
 def _constants(value: Any) -> Iterator[Any]:
@@ -276,15 +282,17 @@ def _constants(value: Any) -> Iterator[Any]:
 
 def _globals(walk: _Walk, function: Any, used: _Names) -> None:
     """Write the global values to which a function refers, the environment variables that it reads, and whether it reads files."""
-    known, names = function.__globals__, set(used.names)
+    known, names, imports = function.__globals__, set(used.names), set(used.imports)
     if names & _BY_TEXT:
-        names |= {word for text in used.texts for word in _NAME.findall(text)}
-    for name in sorted(names):
+        words = {word for text in used.texts for word in _NAME.findall(text)}
+        names |= words
+        imports |= {word for word in words if not _is_library(word)} if names & _IMPORTERS else set()
+    for name in sorted(names | imports):
         if name in known:
             walk.put("global", name)
             _value(walk, known[name], names)
-        elif not hasattr(known.get("__builtins__"), name) and isinstance(module := sys.modules.get(name), types.ModuleType):
-            _value(walk, module, names)  # imported within the function
+        elif name in imports and (module := _module_of(name, known.get("__package__"))):
+            _value(walk, module, names)
     if names & _ENVIRONMENT:
         read = sorted(text for text in used.texts | _texts(known, names) if _NAME.fullmatch(text))
         walk.several("environment", [part for name in read for part in (name, os.environ.get(name))])
@@ -293,6 +301,14 @@ def _globals(walk: _Walk, function: Any, used: _Names) -> None:
     for name in sorted(names & _READERS):
         if name not in known and (name == "open" or not _is_attribute_of_own(known, names, name)):
             walk.cannot(f"a file that is read ({name}) whenever {function.__qualname__} is called")
+
+
+def _module_of(name: str, package: str | None) -> types.ModuleType | None:
+    """A module that a function imports, whether or not it has been called in this process; None if there is no such module."""
+    try:
+        return importlib.import_module(name, package)
+    except Exception:  # whatever a module raises that is imported
+        return None
 
 
 def _texts(known: Mapping[str, Any], names: set[str]) -> set[str]:
