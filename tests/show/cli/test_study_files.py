@@ -2,6 +2,7 @@
 
 import json
 import re
+import sys
 
 import pytest
 
@@ -214,10 +215,9 @@ def rig(amplitude, mu=0.2):
 
 
 @pytest.fixture
-def forgotten():
+def forgotten(monkeypatch):
     """Another test's file has the same name."""
-    import sys
-
+    monkeypatch.setattr(sys, "path", [*sys.path])
     sys.modules.pop("mine", None)
     yield
     sys.modules.pop("mine", None)
@@ -257,3 +257,4 @@ def test_two_files_of_one_name_are_two_modules_and_a_librarys_name_is_refused(ca
     (tmp_path / "json.py").write_text(OWN)
     code, _, err = call("run", "json.py:rig", "amplitude=6e-4")
     assert code == 2 and "has the name of a module that is loaded already (json)" in err
+    assert str(tmp_path) not in sys.path  # a process that begins with this path would import the file

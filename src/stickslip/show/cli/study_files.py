@@ -77,9 +77,9 @@ def _imported(name: str, folder: Path | None = None) -> Any:
     where, _, function = name.rpartition(":")
     path = (folder or Path()) / as_path(where, "robot")
     if path.suffix == ".py":
-        sys.path.insert(0, str(path.resolve().parent))
         where = path.stem
         _make_room(where, path.resolve())
+        sys.path.insert(0, str(path.resolve().parent))
     elif "" not in sys.path:
         sys.path.insert(0, "")
     what = "give module:function or file.py:function, of a function that returns a Robot"
