@@ -45,7 +45,8 @@ class Energy(Drawn):
     friction : array (periods,)
         W_f, work that friction takes at the contact, or at all of them [J].
     damping : array (periods,)
-        W_c, work that the damping of a mechanism, or of links and elastic stops, takes [J].
+        W_c, work that the damping of a mechanism, or of links and elastic stops, takes, and what is lost across where points of bodies
+        hit the ground [J].
     potential : array (periods,)
         Change of the energy U in the spring of a mechanism, or in links and elastic stops [J].
     kinetic : array (periods,)
@@ -164,9 +165,11 @@ def energy(run: Trajectory) -> Energy:
         row = _row_of_hit(run, borders, when)
         of_parts["damping"].setdefault(stop, np.zeros(count))[row] += loss
         works["drive"][row] += given
-    for when, taken, given, contact in at_landings(run, mechanics):
+    for when, taken, lost, given, contact in at_landings(run, mechanics):
         row = np.clip(np.searchsorted(borders, when, side="right") - 1, 0, count - 1)
         of_parts["friction"][contact][row] += taken
+        if mechanics.joined:
+            of_parts["damping"].setdefault(f"{contact} (hits)", np.zeros(count))[row] += lost
         works["drive"][row] += given
     works |= {n: sum(of_parts[n].values(), np.zeros(count)) for n in of_parts if of_parts[n]}
     changes = {"kinetic": np.diff(mechanics.kinetic(v, x))}

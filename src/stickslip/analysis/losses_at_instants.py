@@ -39,10 +39,10 @@ def lost_at_hits(run: Trajectory, mechanics: Any) -> list[tuple[float, float, fl
     ]
 
 
-def at_landings(run: Any, mechanics: Any) -> list[tuple[float, float, float, str]]:
-    """Instants at which contacts land, what friction takes there and what the ground gives [J], and the contacts' names.
+def at_landings(run: Any, mechanics: Any) -> list[tuple[float, float, float, float, str]]:
+    """Instants at which contacts land, what friction and the hit across take there and what the ground gives [J], and contacts' names.
 
-    An impulse along the track works with the mean of the velocities before and after it.
+    An impulse works with the mean of the velocities before and after it.
     """
     landings = []
     for node, event in run._flights:
@@ -50,8 +50,23 @@ def at_landings(run: Any, mechanics: Any) -> list[tuple[float, float, float, str
         (x, before, _), (_, after, _) = (run._states_at(t, np.array([piece])) for piece in (node - 1, node))
         q = mechanics.coordinates_of(tuple(x[0]))
         slips = [np.array(mechanics.slips(t[0], mechanics.coordinates_of(tuple(v[0])), q), float)[i] for v in (before, after)]
+        mean = 0.5 * (slips[0] + slips[1])
+        if mechanics.joined:
+            across, along = _impulses(mechanics, i, q, after[0] - before[0])
+            rates = [float(mechanics.heights(float(t[0]), q, tuple(v[0]))[event.part][1]) for v in (before, after)]
+            given = -along * float(np.asarray(mechanics.offsets(t[0])[i], float))
+            landings.append((float(t[0]), along * mean, -across * 0.5 * (rates[0] + rates[1]), given, event.part))
+            continue
         gained = float(mechanics.kinetic(after)[0] - mechanics.kinetic(before)[0])
         j = mechanics.coordinate_of(mechanics.joints[event.part].body)
-        taken = -float(mechanics.masses[j]) * (slips[1] - slips[0]) * 0.5 * (slips[0] + slips[1])
-        landings.append((float(t[0]), float(taken), gained + float(taken), event.part))
+        taken = -float(mechanics.masses[j]) * (slips[1] - slips[0]) * mean
+        landings.append((float(t[0]), float(taken), 0.0, gained + float(taken), event.part))
     return landings
+
+
+def _impulses(mechanics: Any, i: int, q: Any, change: Any) -> tuple[float, float]:
+    """The impulses across and along [N s] that make a change of the coordinates' rates at the point of a contact."""
+    struck = mechanics.struck(i, q)
+    made = np.array([struck.moved_across, [-of for of in struck.moved_along]], float).T
+    across, along = np.linalg.lstsq(made, np.asarray(change, float), rcond=None)[0]
+    return float(across), float(along)

@@ -27,6 +27,7 @@ from stickslip.models.mechanics import Mechanics
 Expressions = tuple[Sym, ...] | str  #: of a function, or the name of the error that it raises
 _POINTS = 6
 _SAME, _ASIDE, _HUGE = 1e-9, 1e-12, 1e250  # of a value; of the arguments, to see what rounding does; where functions end
+_LEFT = 1e-14  # of the largest number of a function: what rounding leaves of a number whose parts cancel
 _MOVED = np.array([[0.0], [_ASIDE]])  # parts by which arguments are moved: not at all, and a little
 _checked: Remembered[bool] = Remembered()
 
@@ -43,6 +44,7 @@ class _Traced:
         self.graph = graph = Graph()
         graph.at_once, graph.begins_anew = True, model.period is not None
         own = fresh_mechanics(replace_leaf(model, {name: graph.case(name) for name in numbers_of(model)}))
+        own.alike(m)
         variable, mode = graph.variable, graph.mode
         n, laws = range(m.coordinates), list(enumerate(m.laws))
         at = Arguments(
@@ -125,11 +127,12 @@ def _flat(at: Arguments) -> list[Any]:
 
 def compare(what: str, name: str, at: str, given: Sequence[Any], values: Sequence[tuple[float, float]]) -> None:
     """`InputError` where plain Python and the traced expressions differ at some arguments by more than rounding does."""
+    largest = max((abs(v) for v in given if isinstance(v, (int, float)) and abs(v) < _HUGE), default=0.0)
     for number, (value, moved) in zip(given, values, strict=True):
         if number is None or not isinstance(number, (int, float)):
             continue
         size = max(abs(number), abs(value))
-        if not abs(number) < _HUGE or abs(number - value) <= _SAME * size + 3 * abs(value - moved):
+        if not abs(number) < _HUGE or abs(number - value) <= _SAME * size + 3 * abs(value - moved) + _LEFT * largest:
             continue
         mistake = f"{name} gives {number:.9g} where it is called with numbers ({at})"
         traced = f"its equations, written down by calling it with symbols once, give {value:.9g}"

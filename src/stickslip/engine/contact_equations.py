@@ -8,6 +8,7 @@ from stickslip.basics.status import Status
 from stickslip.engine.assembly import Assembly
 from stickslip.engine.coupled import add_box, add_feet, breakaway
 from stickslip.engine.flight import add_flight, add_take_off_and_landing, side_in_flight
+from stickslip.engine.landings import add_landing
 from stickslip.engine.pressed import Pressed, add_pressed, pressed_stops, settled_apart, settles, shut_at
 from stickslip.engine.refused import groups_of
 from stickslip.engine.symbolic import Symbolic
@@ -172,7 +173,9 @@ def add_contacts(parts: Assembly, speeds: list[Sym | None]) -> None:
         if m.laws[i].dynamic:
             _add_dynamic(parts, i, speeds[i])
     for group in groups_of(m.reach, [i for i, law in enumerate(m.laws) if not law.dynamic]):
-        if m.equations.joined or len({m.directions[i] for i in group}) > 1 or not brakes_one(m.directions[group[0]]):
+        if m.equations.joined and m.laws[group[0]].flies:
+            add_landing(parts, group[0], speeds)
+        elif m.equations.joined or len({m.directions[i] for i in group}) > 1 or not brakes_one(m.directions[group[0]]):
             add_box(parts, group, speeds)
         elif len(group) > 1:
             add_feet(parts, group, speeds)
@@ -206,12 +209,13 @@ def borders_of_loads(parts: Assembly, i: int) -> list[Sym]:
     if not m.of_motion[i] or m.laws[i].dynamic:
         return []
     slip, one, mode = parts.slip(i), m.graph.constant(1.0), parts.modes[i] if i < len(parts.modes) else None
+    flight = parts.contacts[i].flight
     for side in (1.0, -1.0):
         m.graph.assumed[slip.number] = side
         decides = m.equations.decides(i, m.t, m.places, m.laws[i].sliding(slip, 1.0))
         borders += [] if decides is None else [m.graph.select(-side * mode, one, m.lift(decides) - _BESIDE)]
     m.graph.assumed.clear()
-    return borders
+    return borders if flight is None else [m.graph.select(flight.aloft, one, border) for border in borders]
 
 
 def add_stop(parts: Assembly, stop: Any) -> None:

@@ -147,8 +147,11 @@ def add_feet(parts: Assembly, every: list[int], speeds: list[Sym | None]) -> Non
         parts.contacts.append(TracedContact(name, m.slips[i], m.directions[i], state, None, (), (i,), branches, speeds[i], False))
 
 
-def add_box(parts: Assembly, group: list[int], speeds: list[Sym | None]) -> None:
-    """Bodies on bodies: what rests together has forces that follow from one another, and every combination is looked at."""
+def add_box(parts: Assembly, group: list[int], speeds: list[Sym | None]) -> Box:
+    """Bodies on bodies: what rests together has forces that follow from one another, and every combination is looked at.
+
+    Their contact problem is what it gives back.
+    """
     box = _box_of(parts, group)
     m, graph = parts.m, parts.m.graph
     one, zero = graph.constant(1.0), graph.constant(0.0)
@@ -180,6 +183,7 @@ def add_box(parts: Assembly, group: list[int], speeds: list[Sym | None]) -> None
     sides = {i: graph.by_side(m.slips[i], one, -one, zero) for i in group}
     for number, new in box.decided(sides).items():
         parts.first_modes[number] = new
+    return box
 
 
 def _box_of(parts: Assembly, group: list[int]) -> Box:

@@ -108,6 +108,10 @@ def _of_coordinates_joined(mechanics: Any) -> list[str]:
         for j in range(len(own))
     ]
     lines, h = [], mechanics.applied(t, x, v)
+    for contact, index in zip(mechanics.touching, indices(mechanics.contacts), strict=True):
+        if contact.keeps_height:
+            N = symbol(subscripted("N", index), 0).expression
+            braked = [of - expression_of(up) * N for of, up in zip(braked, contact.heights_at(x), strict=True)]
     for row, force, brake in zip(mechanics.matrix(t, x), h, braked, strict=True):
         inertia = sum(
             (sympy.trigsimp(sympy.expand(expression_of(entry))) * symbol(rf"\ddot {subscripted('x', index)}", 0).expression)
@@ -225,9 +229,12 @@ def _flights(mechanics: Any, own: list[str]) -> list[str]:
     lines = []
     for i, (law, index) in enumerate(zip(mechanics.laws, own, strict=True)):
         if law.flies:
-            j = next(k for k, g in enumerate(mechanics.directions[i]) if g)
             h, N, R = (subscripted(letter, index) for letter in ("h", "N", "R"))
-            lines.append(rf"{text_of(mechanics.masses[j])} \ddot {h} &= - {N}, \quad {R} = 0, && {h} > 0")
+            if mechanics.joined:
+                lines.append(rf"{N} &= {R} = 0, && {h} > 0")
+            else:
+                j = next(k for k, g in enumerate(mechanics.directions[i]) if g)
+                lines.append(rf"{text_of(mechanics.masses[j])} \ddot {h} &= - {N}, \quad {R} = 0, && {h} > 0")
             lines.append(rf"\dot {h}^+ &= - {text_of(law.restitution)} \, \dot {h}^-, && {h} = 0")
     return lines
 

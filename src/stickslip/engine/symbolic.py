@@ -136,6 +136,19 @@ class Symbolic:
             )
         return accelerations
 
+    def free_of(self, i: int) -> tuple[Sym, ...]:
+        """Accelerations of the coordinates while a contact that may fly does."""
+        none = [0.0] * len(self.laws)
+        return tuple(map(self.lift, self.equations.loose_accelerations(self.t, self.places, self.v, none, self.held)))
+
+    def rising(self, i: int) -> Sym:
+        """Second derivative of the height of a contact's point while it flies."""
+        return self.lift(self.equations.rising(i, self.t, self.places, self.v, self.held))
+
+    def struck(self, i: int) -> Any:
+        """What impulses at a contact's point do (`models.kept_heights.Struck`)."""
+        return self.equations.struck(i, self.places)
+
     @property
     def held_scales(self) -> tuple[Sym, ...]:
         """Typical sizes of the controllers' states."""

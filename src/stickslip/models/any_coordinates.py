@@ -19,7 +19,7 @@ from stickslip.basics.maths import maximum, pi
 from stickslip.basics.time_rates import Moving
 from stickslip.models.controllers import Controllers
 from stickslip.models.friction.law_adapter import LawAdapter, adapted
-from stickslip.models.kept_heights import given_back, lever_of, normal_force, with_force
+from stickslip.models.kept_heights import Struck, given_back, lever_of, normal_force, rising_freely, struck_at, with_force
 from stickslip.models.linear_equations import product, solved, total
 from stickslip.models.mechanics import SOME, Mechanics, Numbers
 from stickslip.models.placed_contacts import PlacedContact
@@ -84,7 +84,7 @@ class AnyCoordinates(Mechanics):
     @cached_property
     def laws(self) -> tuple[LawAdapter, ...]:
         """The law of each contact."""
-        return tuple(adapted(contact.friction) for contact in self.joints.values())
+        return tuple(adapted(each.friction, each.restitution if each.hold == "push" else None) for each in self.joints.values())
 
     @cached_property
     def masses(self) -> Parts:
@@ -157,6 +157,14 @@ class AnyCoordinates(Mechanics):
         moved = self.moved(t, q, u) if self.keeping else {}
         points = {name: c.point(moved)[1] for name, c in zip(self.contacts, self.touching, strict=True) if c.keeps_height}
         return {name: (point.value, point.rate) for name, point in points.items()}
+
+    def rising(self, i: int, t: Numeric, q: Numbers, u: Numbers, z: Numbers | None = None) -> Any:
+        """Second derivative of the height of a contact's point while that flies [m/s^2]."""
+        return rising_freely(self, i, t, q, u, z)
+
+    def struck(self, i: int, q: Numbers) -> Struck:
+        """What impulses at the point of a contact do."""
+        return struck_at(self, i, q)
 
     @property
     def varying(self) -> tuple[bool, ...]:

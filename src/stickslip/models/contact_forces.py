@@ -47,6 +47,7 @@ def contact_columns(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: Ar
     free = _columns(mechanics.accelerations(t, q, u, (0.0,) * len(mechanics.contacts), held), t)
     prescribed, closed = _columns(mechanics.offset_rates(t), t), closed_stops(mechanics, t, q, u)
     asking: dict[int, Callable[[Array], Array]] = {}
+    aloft = np.zeros(slips.shape, bool)
     for i, law in enumerate(mechanics.laws):
         own, first = tuple(memory[first : first + law.modes]), first + law.modes
         side = np.where(mode[:, i] == 0, 1, mode[:, i])
@@ -58,8 +59,8 @@ def contact_columns(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: Ar
         else:
             R[:, i] = law.resolved(law.least_creep(scale, mechanics.difference(i)), slip, inner, rates, loads[:, i], own)
         if law.flies:  # its states are the gap and the gap's rate
-            aloft = (inner[0] != 0.0) | (inner[1] != 0.0) | (rates[1] != 0.0)
-            R[aloft, i], loads[aloft, i] = 0.0, 0.0
+            aloft[:, i] = (inner[0] != 0.0) | (inner[1] != 0.0) | (rates[1] != 0.0)
+            R[aloft[:, i], i], loads[aloft[:, i], i] = 0.0, 0.0
     resting = (mode == 0) & np.array([not law.dynamic for law in mechanics.laws], bool)
     for i, force in asking.items():
         for stop, shut in zip(mechanics.stops, closed.T, strict=True):  # a closed stop joins the bodies at its ends
@@ -74,8 +75,11 @@ def contact_columns(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: Ar
         _hold(mechanics, np.hstack([resting, closed]), t, q, u, loads, R, pressed, held)
     for k, follows in enumerate(mechanics.of_motion if mechanics.joined else ()):  # what the motion asks of rails
         if follows:
-            loads[:, k] = load_under(mechanics, k, t, q, u, tuple(R.T), held)
+            loads[:, k] = np.where(aloft[:, k], 0.0, load_under(mechanics, k, t, q, u, tuple(R.T), held))
     moved = list(_under(mechanics, t, q, u, R, pressed, held))
+    if mechanics.joined and np.any(aloft):
+        free, flies = _columns(mechanics.loose_accelerations(t, q, u, tuple(R.T), held), t), np.any(aloft, axis=1, keepdims=True)
+        moved = list(np.where(flies, free, _columns(moved, t)).T)
     for i, index in enumerate(places or ()):  # exactly, without what rounding leaves of a difference of forces
         moved[index] = np.where(resting[:, i], 0.0 - prescribed[:, i], moved[index])
     acceleration = _columns(mechanics.accelerations_of_bodies(t, moved), t)

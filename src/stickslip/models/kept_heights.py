@@ -45,3 +45,30 @@ def given_back(lever: Lever, free: Numbers) -> Any:
 def with_force(lever: Lever, free: Numbers, force: Any) -> tuple[Any, ...]:
     """Accelerations of the coordinates with a force upwards, from those without it."""
     return tuple(total([a, product(force, moved)]) for a, moved in zip(free, lever.moved, strict=True))
+
+
+class Struck(NamedTuple):
+    """What impulses at a point do: across, upwards, and along, as friction does with the other sign.
+
+    The changes of the coordinates' rates that a unit impulse makes, and what it does to the rate of the height and to the slip.
+    """
+
+    moved_across: tuple[Any, ...]
+    moved_along: tuple[Any, ...]
+    across: Any  # n W n
+    between: Any  # n W g
+    along: Any  # g W g
+
+
+def struck_at(mechanics: Any, i: int, q: Numbers) -> Struck:
+    """The same for the point of a contact that keeps its height, at given coordinates."""
+    lever, row = lever_of(mechanics, mechanics.touching[i], q), mechanics.rows(0.0, q)[i]
+    moved = mechanics.loosely_pushed(0.0, q, row)
+    return Struck(lever.moved, moved, lever.own, total(map(product, lever.row, moved)), total(map(product, row, moved)))
+
+
+def rising_freely(mechanics: Any, i: int, t: Numeric, q: Numbers, u: Numbers, z: Numbers | None) -> Any:
+    """Second derivative of the height of a contact's point where the contact does nothing [m/s^2]."""
+    contact, none = mechanics.touching[i], (0.0,) * len(mechanics.contacts)
+    free = mechanics.loose_accelerations(t, q, u, none, z)
+    return total([*map(product, contact.heights_at(q), free), contact.point(mechanics.moved(t, q, u))[1].second])

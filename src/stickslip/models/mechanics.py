@@ -107,6 +107,10 @@ class Mechanics(Protocol):
         z are the states of the controllers; if not given, the controllers are switched on at this instant.
         """
 
+    def loose_accelerations(self, t: Numeric, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> tuple[Any, ...]:
+        """The same without the normal force of a contact that keeps its height."""
+        return self.accelerations(t, q, u, R, z)
+
     def pushed(self, t: Numeric, q: Numbers, force: Numbers) -> tuple[Any, ...]:
         """Accelerations that forces on the coordinates make."""
         return tuple(each / mass for each, mass in zip(force, self.masses, strict=True))

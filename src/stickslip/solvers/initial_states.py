@@ -126,7 +126,11 @@ def _of_parts(model: Model, labels: Labels, start: Any, problems: Problems) -> A
     _check_heights(mechanics, q, u, problems)
     loads = mechanics.loads(0.0, tuple(q.T), tuple(u.T))
     _check_loads(mechanics, loads, problems)
-    begun = [state for law, load in zip(laws, loads, strict=True) for state in law.start(load)]
+    heights = mechanics.heights(0.0, tuple(q.T), tuple(u.T))
+    begun = [
+        state for name, law, load in zip(contacts, laws, loads, strict=True)
+        for state in (_above(mechanics, heights[name]) if law.flies and name in heights else law.start(load))
+    ]  # fmt: skip
     z = _filled("z", given.get("z"), inner, _columns(begun, cases), labels, problems)
     memory = _filled("memory", given.get("memory"), memories, np.zeros((cases, sum(memories.values()))), labels, problems)
     if np.any(memory != np.round(memory)):
@@ -196,21 +200,51 @@ def _check_loads(mechanics: Mechanics, loads: Any, problems: Problems) -> None:
             problems.add(f"{mistake}; allowed is more than zero; give another load=, or restitution=0.0 for a body that flies and lands")
 
 
-def _check_heights(mechanics: Mechanics, q: Array, u: Array, problems: Problems) -> None:
-    """Note points that a contact keeps on the ground and that do not begin there, or leave it."""
+def _least_height(mechanics: Mechanics) -> tuple[float, float]:
+    """A height and a rate of it that are none."""
     speed = float(np.max(getattr(mechanics, "velocity_scale", 1.0)))
     time = 1.0 if (scale := getattr(mechanics, "time_scale", None)) is None else float(np.max(scale))
+    return _SAME * speed * time, _SAME * speed
+
+
+def _above(mechanics: Mechanics, height: tuple[Any, Any]) -> tuple[Any, Any]:
+    """The gap of a point that may fly, and its rate: exactly zero where it touches."""
+    (gap, rate), (low, slow) = (np.asarray(of, float) for of in height), _least_height(mechanics)
+    gap = np.where(abs(gap) <= low, 0.0, gap)
+    return gap, np.where((gap == 0.0) & (abs(rate) <= slow), 0.0, rate)
+
+
+def _check_heights(mechanics: Mechanics, q: Array, u: Array, problems: Problems) -> None:
+    """Note points that a contact keeps on the ground and that do not begin there, or leave it; those that fly begin nowhere below it."""
+    low, slow = _least_height(mechanics)
+    flies = {name for name, law in zip(mechanics.contacts, mechanics.laws, strict=True) if law.flies}
     for name, (height, rate) in mechanics.heights(0.0, tuple(q.T), tuple(u.T)).items():
-        for value, least, what, unit in (
-            (height, _SAME * speed * time, "is", "m above"),
-            (rate, _SAME * speed, "moves at", "m/s away from"),
-        ):
+        where = f"the point of the contact {name!r}"
+        if name in flies:
+            gap, speed = _above(mechanics, (height, rate))
+            _check_above(where, gap, speed, problems)
+            continue
+        for value, least, what, unit in ((height, low, "is", "m above"), (rate, slow, "moves at", "m/s away from")):
             if np.max(abs(np.asarray(value, float))) > least:
                 worst = float(np.ravel(value)[int(np.argmax(abs(np.ravel(value))))])
                 problems.add(
-                    f"the point of the contact {name!r} {what} {worst:.4g} {unit} what it rubs on at the start; "
-                    f"allowed is zero; type coordinates and rates of the start={{'x': {{...}}, 'v': {{...}}}} with which it is"
+                    f"{where} {what} {worst:.4g} {unit} what it rubs on at the start; allowed is zero; type coordinates and rates of the "
+                    "start={'x': {...}, 'v': {...}} with which it is, or restitution=0.0 for a point that flies and lands"
                 )
+
+
+def _check_above(where: str, gap: Any, rate: Any, problems: Problems) -> None:
+    """Note a point that may fly and begins below what it rubs on, or in a hit."""
+    if np.any(gap < 0.0):
+        problems.add(
+            f"{where} is {-float(np.min(gap)):.4g} m below what it rubs on at the start; allowed is on it or above; "
+            "type coordinates of the start={'x': {...}} with which it is"
+        )
+    elif np.any((gap == 0.0) & (rate < 0.0)):
+        problems.add(
+            f"{where} is on what it rubs on at the start and moves into it at {-float(np.min(rate)):.4g} m/s; allowed there is a rate of "
+            "zero, or upwards; type start={'x': {...}, 'v': {...}} a moment before it lands, or after"
+        )
 
 
 def _check_stops(mechanics: Mechanics, q: Array, problems: Problems) -> None:

@@ -32,6 +32,7 @@ class _Functions:
     def __init__(self, model: Model, along: tuple[str, ...]):
         self.graph, self.names, self.lock = Graph(), numbers_of(model), Lock()
         self.machine = machine_of(replace_leaf(model, {name: self.graph.case(name) for name in self.names}))
+        self.machine.mechanics.alike(machine_of(model).mechanics)
         self.along = Along(self.graph, {name: self.graph.case(part_in(name)) for name in along})
         self._made: Remembered[tuple[list[Sym], list[Sym]]] = Remembered()
 
@@ -104,9 +105,10 @@ def _placed(machine: Any, q: tuple[float | None, ...]) -> tuple[Any, ...]:
 
 def _inner_starts(machine: Any, q: tuple[float | None, ...], u: tuple[float, ...]) -> list[Any]:
     """Inner states of contacts that nobody has moved, under the loads where a run begins."""
-    mechanics = machine.mechanics
-    loads = mechanics.loads(0.0, _placed(machine, q), u)
-    return [z for law, load in zip(mechanics.laws, loads, strict=True) for z in law.start(load)]
+    mechanics, placed = machine.mechanics, _placed(machine, q)
+    loads, heights = mechanics.loads(0.0, placed, u), mechanics.heights(0.0, placed, u)
+    named = zip(mechanics.contacts, mechanics.laws, loads, strict=True)
+    return [z for name, law, load in named for z in (heights[name] if law.flies and name in heights else law.start(load))]
 
 
 def _control_starts(machine: Any, q: tuple[float | None, ...], u: tuple[float, ...]) -> list[Any]:

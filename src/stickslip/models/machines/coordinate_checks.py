@@ -119,8 +119,12 @@ def _check_contact(name: Any, contact: Any, machine: Any, problems: Problems) ->
             problems.add(f"{where}.load is not given; allowed is a force [N], or a function of time and coordinates; type load=1.0{rail}")
     elif not callable(contact.load):
         checked_number(f"{where}.load", contact.load, problems, None, "a force [N], or a function of time and coordinates", "load=1.0")
-    if contact.restitution is not None:
-        problems.add(f"{where}.restitution = {contact.restitution!r}; contacts that land again are not there yet; type restitution=None")
+    if contact.restitution is not None and contact.hold != "push":
+        problems.add(f'{where}.restitution = {contact.restitution!r}; allowed is one of ground that may be left; type hold="push" with it')
+    elif contact.restitution is not None:
+        checked_number(
+            f"{where}.restitution", contact.restitution, problems, lambda e: (e >= 0) & (e < 1), "from 0 to below 1", "restitution=0.3"
+        )
     own = Problems(problems.what)
     check_law(contact.friction, own)
     for sentence in own.mistakes:

@@ -103,8 +103,8 @@ class Contact(Frozen):
         The point of the body in its own axes, from its place [m], where `places` gives an angle.
     hold : optional
         "both": a rail that holds the body on both sides, so that it slips along the way that its one coordinate leaves it, or along x.
-        "push": ground at z = 0 that pushes the point and does not pull it; a run ends where the load falls to zero. The load follows from
-        the motion in both cases. For machines with `places`.
+        "push": ground at z = 0 that pushes the point and does not pull it; where the load falls to zero a run ends, or with `restitution`
+        the point takes off and lands again. The load follows from the motion in both cases. For machines with `places`.
 
     Examples
     --------

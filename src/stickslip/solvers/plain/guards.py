@@ -35,9 +35,9 @@ def guards(e: Equations, t: float, y: Array, mode: ContactModes) -> list[Guard]:
     guards = [
         Guard("slip", i, 0, side * w[i] + e.no_reversal[i], noise[i] or NOTHING)
         for i, side in enumerate(mode.sides[: e.k])
-        if side
+        if side and not (e.mechanics.joined and i in mode.aloft)
     ]  # fmt: skip
-    guards += [_of_load(e, y, mode, i, load) for i, load in enumerate(e.least_loads(t, y, mode))]
+    guards += [_of_load(e, t, y, mode, i, load) for i, load in enumerate(e.least_loads(t, y, mode))]
     guards += [Guard("border", i, 0, border, 0.0) for i, border in e.borders(t, y, mode).items()]
     for i, load in enumerate(e.kept_positive(loads)):
         if e.laws[i].switching:
@@ -52,11 +52,13 @@ def guards(e: Equations, t: float, y: Array, mode: ContactModes) -> list[Guard]:
     return guards + _kinks(e, t, y, mode)
 
 
-def _of_load(e: Equations, y: ArrayLike, mode: ContactModes, i: int, load: float) -> Guard:
+def _of_load(e: Equations, t: float, y: ArrayLike, mode: ContactModes, i: int, load: float) -> Guard:
     """Guards that end the touch of a contact, or its flight."""
     if i in mode.aloft:
         return Guard("landing", i, 0, e.z(y, i)[0], ROUNDING * 0.01 * e.scale_of_velocity * e.scale_of_time)
-    return Guard("take-off" if e.laws[i].flies else "load", i, 0, load + e.unpressed[i], 0.0)
+    if e.laws[i].flies:
+        return Guard("take-off", i, 0, e.presses(t, y, i, load), 0.0)
+    return Guard("load", i, 0, load + e.unpressed[i], 0.0)
 
 
 def _limits(e: Equations, t: float, y: ArrayLike, mode: ContactModes) -> list[Guard]:

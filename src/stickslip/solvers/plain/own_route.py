@@ -140,6 +140,12 @@ class OwnRoute:
         point = self.shape(t, q, u).slips[i].point
         return (float(point[1].value), float(point[1].rate)) if point is not None else (0.0, 0.0)
 
+    def rising(self, i: int, t: float, q: Sequence[Any], u: Sequence[Any], z: Any) -> float:
+        """How fast the rate of its height grows while it flies."""
+        height = self._upwards(i, self.shape(t, q, u))
+        free = self.accelerations(t, q, u, [0.0] * len(self.given), z, frozenset([i]))
+        return float(height.second + sum(slope * a for slope, a in zip(height.slopes, free, strict=True)))
+
     def _per_load(self, i: int, t: float, q: Sequence[Any], u: Sequence[Any], side: int | None) -> float:
         """Friction force for a load of one newton."""
         slip = self.slips(t, q, u)[i]

@@ -104,6 +104,7 @@ class Equations:
         self.no_reversal = [_HELD * self.scale_of_velocity if law.holds_velocity else 0.0 for law in self.laws]
         self.first, self.last, self.first_loads = -math.inf, math.inf, [0.0] * len(self.laws)
         self.of_motion = any(mechanics.of_motion)
+        self.grounded = [0.0] * self.k  # no contact is in flight
         self.forces, self.pressing = Watching(self._moved), Watching(self._pressed if self.of_motion else mechanics.loads)
         self.last_state: tuple[Any, ...] = ()
         self.last_loads: tuple[Floats, Floats] = ([], [])
@@ -234,6 +235,10 @@ class Equations:
             return forwards
         return [min(a, b) if side == 0 else a if side > 0 else b for a, b, side in zip(forwards, backwards, mode.sides, strict=False)]
 
+    def presses(self, t: float, y: ArrayLike, i: int, load: float) -> float:
+        """What is positive while a contact that may fly is pressed: its load, or how fast its point would go down without it."""
+        return -float(self.own.rising(i, self.time(t), *self.state(y), self.controlled(y))) if self.mechanics.joined else load
+
     def borders(self, t: float, y: ArrayLike, mode: ContactModes) -> dict[int, float]:
         """By contact whose load follows from its motion what is positive as long as one load does, of one at rest the lesser of two."""
         if not self.mechanics.joined:
@@ -269,10 +274,15 @@ class Equations:
                 loads.append(self.own.load(i, t, q, moving, z))
         return loads
 
-    def _moved(self, t: float, q: Any, u: Any, R: Any, z: Any) -> list[Any]:
-        """Accelerations of the coordinates, and rates of what controllers hold."""
+    def _moved(self, t: float, q: Any, u: Any, R: Any, z: Any, flies: Any) -> list[Any]:
+        """Accelerations of the coordinates, and rates of what controllers hold; `flies` is 1 of a contact in flight."""
         m = self.mechanics
-        return [*self.own.accelerations(t, q, u, R, z), *(m.control_rates(t, q, u, z) if m.controllers.count else ())]
+        aloft = (frozenset(i for i, of in enumerate(flies) if float(of)),) if m.joined else ()
+        return [*self.own.accelerations(t, q, u, R, z, *aloft), *(m.control_rates(t, q, u, z) if m.controllers.count else ())]
+
+    def flags(self, mode: ContactModes) -> Floats:
+        """Of each contact 1 in flight."""
+        return [float(i in mode.aloft) for i in range(self.k)] if mode.aloft else self.grounded
 
     def pressed(self, t: float, y: ArrayLike, mode: ContactModes) -> Pressed:
         """Normal forces on contacts that go forwards, and backwards; positive also a moment after a contact is lost, for steps look on."""
@@ -301,7 +311,7 @@ class Equations:
         u = self.settled(t, q, u, mode)
         w, loads = self._own_slips(t, q, u), self.pressed(t, [*q, *u, *y[2 * self.n :]], mode)
         R, inner = self._friction(t, q, u, y, w, loads.on(mode.sides), mode)
-        rates_of_all = self.forces(mode.kinks[0], t, q, u, R, self.controlled(y))
+        rates_of_all = self.forces(mode.kinks[0], t, q, u, R, self.controlled(y), self.flags(mode))
         a, inner = rates_of_all[: self.n], [*inner, *rates_of_all[self.n :]]
         R, rates = [*R, *(0.0 for _ in self.stops)], self.offset_rates(t)
         push = [_dot(row, a) + rate + own for row, rate, own in zip(self.rows, rates, self.biases, strict=True)]
@@ -321,7 +331,7 @@ class Equations:
     ) -> tuple[Floats, Floats]:
         """Friction forces, 0 of what rests, and the rates of all inner states."""
         R, inner = [0.0] * self.k, list[float]()
-        without = self.forces(mode.kinks[0], t, q, u, R, self.controlled(y))[: self.n] if self.applied else []
+        without = self.forces(mode.kinks[0], t, q, u, R, self.controlled(y), self.grounded)[: self.n] if self.applied else []
         applied = self._applied(t, without)
         for i, law in enumerate(self.laws):
             side = mode.sides[i]
@@ -353,6 +363,8 @@ class Equations:
         """Rates of a contact's gap and of that rate."""
         if i not in mode.aloft:
             return 0.0, 0.0
+        if self.mechanics.joined:
+            return self.z(y, i)[1], self.own.rising(i, t, q, self.state(y)[1], self.controlled(y))
         load = self._by_side(t, y, mode.kinks[1])[0][i]
         return self.z(y, i)[1], -load / self.masses[self.alone[i] or 0]
 
@@ -421,7 +433,7 @@ class Equations:
         """The differences that the conditions of forces and loads compare."""
         t, (q, u) = self.time(t), self.state(y)
         asked = (q, u, self.controlled(y)) if self.of_motion else (q,)
-        of_forces = self.forces.differences(kinks[0], t, q, u, [0.0] * self.k, self.controlled(y))
+        of_forces = self.forces.differences(kinks[0], t, q, u, [0.0] * self.k, self.controlled(y), self.grounded)
         return of_forces, self.pressing.differences(kinks[1], t, *asked)
 
     def output(self, t: float, y: Array, mode: ContactModes) -> Floats:

@@ -1,0 +1,116 @@
+r"""Points of bodies in the plane that leave the ground where their load falls to zero, fly, and land: a mode, two states, two guards.
+
+While a point touches, the contact keeps its height. Where the load falls to zero, h'' of the motion without this contact is zero too, and
+from there on the gap h goes that way, and nothing rubs. Where the gap closes at the rate r < 0 there are impulses, P across by Newton's
+restitution and Q along by Coulomb's friction, with A = n W n^T, B = n W g^T, G = g W g^T of the rows n and g of gap and slip, and W the
+inverse of M:
+
+.. math:: r^+ = r + A P - B Q = -e r, \qquad w^+ = w + B P - G Q, \qquad Q \in \mu P \operatorname{Sgn} w^+ .
+
+The slip after it falls with Q, so that there is one answer always. Where the series of rebounds would end within a moment the point stays.
+The gap is a state of its own: it is zero to the last digit at every hit, so that rebounds die out as precisely as they began.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from stickslip.engine.assembly import Assembly
+from stickslip.engine.coupled import Box, add_box, without_slip
+from stickslip.engine.graphs import Substituted
+from stickslip.engine.symbols import Sym
+from stickslip.engine.system import Flight
+from stickslip.models.friction.law_adapter import TINY
+
+_MOMENT = 1e-8  # of the time scale, or of a second: rebounds that are over within it are over at once
+_SLIP = "slip at a hit"
+
+
+@dataclass(frozen=True)
+class _Hit:
+    """What a hit makes: changes of the coordinates' velocities, and to which side the point slips after it, 0 where it does not."""
+
+    changes: tuple[Sym, ...]
+    side: Sym
+
+
+def add_landing(parts: Assembly, i: int, speeds: list[Sym | None]) -> None:
+    """A contact alone under a law that rests exactly, which may leave what it rubs on and land again."""
+    m, first = parts.m, len(parts.events)
+    graph, one = m.graph, m.graph.constant(1.0)
+    flight = _flight_of(parts, i)
+    box = add_box(parts, [i], speeds)
+    mode, slip = parts.modes[i], m.slips[i]
+    parts.events[first:] = [(graph.select(flight.aloft, one, guard), *then) for guard, *then in parts.events[first:]]  # type: ignore[misc]
+    parts.first_modes[i] = graph.select(flight.first, graph.by_side(slip, one, -one, one), parts.first_modes[i])
+    parts.contacts[-1] = replace(parts.contacts[-1], flight=flight, inner=flight.inner)
+    touching, free = m.accelerations(parts.forces), m.free_of(i)
+    for j, own in enumerate(parts.f):
+        parts.f[j] = graph.select(flight.aloft, free[j], touching[j] if own is None else own)
+    up = graph.by_side(mode, one, -one, one)  # in flight nothing rests
+    parts.events.append((graph.select(flight.aloft, one, -m.rising(i)), {flight.mode: one, i: up}, {}, 0))
+    _add_hit(parts, i, flight, box, up)
+
+
+def _flight_of(parts: Assembly, i: int) -> Flight:
+    """The states and the mode of its flight."""
+    m = parts.m
+    graph, one, zero = m.graph, m.graph.constant(1.0), m.graph.constant(0.0)
+    gap, rate = (graph.variable(f"z{i}_{k}") for k in range(2))
+    first = graph.select(gap, one, graph.select(rate, one, graph.select(-m.rising(i), zero, one)))
+    number, aloft = parts.mode(first)
+    begin, speed = len(m.y) + len(parts.inner), m.lift(m.machine.velocity_scale)
+    parts.inner += [gap, rate]
+    parts.rates += [graph.select(aloft, rate, zero), graph.select(aloft, m.rising(i), zero)]
+    parts.scales += [speed * m.period(m.model), speed]
+    return Flight(number, aloft, first, (begin, begin + 1))
+
+
+def _add_hit(parts: Assembly, i: int, flight: Flight, box: Box, up: Sym) -> None:
+    """Where the gap closes: thrown back, or it stays and slips on, rests, or breaks away."""
+    m = parts.m
+    graph, one, zero = m.graph, m.graph.constant(1.0), m.graph.constant(0.0)
+    gap, rate = (parts.inner[k - len(m.y)] for k in flight.inner)
+    e = m.lift(m.laws[i].restitution)
+    thrown, stays = (_hit(parts, i, rate, of) for of in (e, zero))
+    after = Substituted(graph, {y.name: y + change for y, change in zip(m.y, stays.changes, strict=True)})
+    time = 1.0 if m.machine.time_scale is None else m.lift(m.machine.time_scale)
+    over = _MOMENT * time * (1.0 - e) * -after.of(m.rising(i)) + 2.0 * (e * rate)  # > 0: so are the rebounds
+    rests = after.of(box.decided({i: zero})[i])
+    exactly = {j: after.of(of) for j, of in without_slip(m, i).items()}
+    states: dict[int, Any] = {flight.inner[0]: zero, flight.inner[1]: graph.select(over, zero, -(e * rate))}
+    for j, y in enumerate(m.y):
+        kept = y + stays.changes[j]
+        states[j] = graph.select(over, graph.by_side(stays.side, kept, kept, exactly.get(j, kept)), y + thrown.changes[j])
+    side = graph.select(over, graph.by_side(stays.side, one, -one, rests), graph.by_side(thrown.side, one, -one, up))
+    guard = graph.select(flight.aloft, gap, one)
+    parts.events.append((guard, {flight.mode: graph.select(over, zero, one), i: side}, states, 0))
+
+
+def _hit(parts: Assembly, i: int, rate: Sym, e: Sym) -> _Hit:
+    """A hit with a restitution, at the rate of the gap that is its state."""
+    m, graph = parts.m, parts.m.graph
+    struck, zero, one = m.struck(i), parts.m.graph.constant(0.0), parts.m.graph.constant(1.0)
+    A, B, G = (m.lift(each) for each in (struck.across, struck.between, struck.along))
+    w, gained = m.slips[i], -((1.0 + e) * rate)
+    forwards, backwards = (_per_impulse(parts, i, side) for side in (1.0, -1.0))
+    holding = (w + B * gained / A) / (G - B * B / A)  # the impulse along that leaves no slip
+    across = (gained + B * holding) / A
+    side = graph.select(
+        holding, graph.select(holding - forwards * across, one, zero), graph.select(backwards * across - holding, -one, zero)
+    )
+    along = graph.by_side(side, forwards * gained / (A - forwards * B), backwards * gained / (A - backwards * B), holding)
+    across = (gained + B * along) / A
+    changes = (across * m.lift(up) - along * m.lift(ahead) for up, ahead in zip(struck.moved_across, struck.moved_along, strict=True))
+    return _Hit(tuple(changes), side)
+
+
+def _per_impulse(parts: Assembly, i: int, side: float) -> Sym:
+    """Impulse along for one across while the point slips to a side: by the slip before it, or where that is to the other side by none."""
+    m, graph = parts.m, parts.m.graph
+    slip = graph.variable(_SLIP)
+    graph.assumed[slip.number] = side
+    force = m.lift(m.laws[i].sliding(slip, 1.0))
+    graph.assumed.clear()
+    return Substituted(graph, {_SLIP: graph.select(side * m.slips[i], m.slips[i], graph.constant(side * TINY))}).of(force)

@@ -1,0 +1,232 @@
+"""Points of bodies in the plane that leave the ground, fly and land: by hand, by SciPy's judge, and at all doors."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from rows import each_row
+from stickslip.basics.errors import InputError
+from stickslip.basics.status import Status
+
+G = 9.81
+
+
+@dataclass(frozen=True, eq=False)
+class Ball(ss.Machine):
+    """A particle above the ground."""
+
+    friction: Any
+    restitution: float
+    coordinates = ("x", "z")
+    time_scale, velocity_scale = 0.5, 1.0
+
+    def bodies(self):
+        return {"ball": ss.Body(0.5)}
+
+    def places(self, t, q):
+        return {"ball": (q["x"], q["z"])}
+
+    def contacts(self):
+        return {"ground": ss.Contact("ball", self.friction, hold="push", restitution=self.restitution)}
+
+
+@dataclass(frozen=True, eq=False)
+class Rod(ss.Machine):
+    """A uniform rod of 1 kg by the place of its middle, which has a foot at one end."""
+
+    half: float
+    friction: Any
+    restitution: float
+    coordinates = ("x", "z", "angle")
+    time_scale, velocity_scale = 0.5, 1.0
+
+    def bodies(self):
+        return {"rod": ss.Body(1.0, inertia=self.half**2 / 3)}
+
+    def places(self, t, q):
+        return {"rod": (q["x"], q["z"], q["angle"])}
+
+    def contacts(self):
+        return {"foot": ss.Contact("rod", self.friction, at=(-self.half, 0.0), hold="push", restitution=self.restitution)}
+
+
+@dataclass(frozen=True, eq=False)
+class Hopper(ss.Machine):
+    """A box on the ground with a mass on a spring in it."""
+
+    stiffness: float
+    friction: Any
+    restitution: float
+    coordinates = ("x", "z", "stretch")
+    time_scale, velocity_scale = 0.5, 1.0
+
+    def bodies(self):
+        return {"box": ss.Body(1.0), "mass": ss.Body(0.5)}
+
+    def places(self, t, q):
+        return {"box": (q["x"], q["z"]), "mass": (q["x"], q["z"] + 0.3 + q["stretch"])}
+
+    def forces(self, t, q, u):
+        return {"stretch": -self.stiffness * q["stretch"]}
+
+    def contacts(self):
+        return {"foot": ss.Contact("box", self.friction, hold="push", restitution=self.restitution)}
+
+
+HOP = {"x": {"stretch": -0.4}, "v": {"x": 2.0}}
+
+
+def hopper(restitution, stiffness=200.0):
+    return Hopper(stiffness, ss.Coulomb(0.3, 0.3), restitution)
+
+
+def agrees(model, start, duration, within=1e-11):
+    """The exact run, held against the judge: events, last state and load, and the energy balance of both to rounding."""
+    run, judge = (ss.solve(model, duration=duration, start=start, **given) for given in ({}, {"method": "dop853", "rtol": 1e-12}))
+    assert run.method == "exact" and run.status == judge.status
+    assert [(e.kind, e.part) for e in run.events] == [(e.kind, e.part) for e in judge.events]
+    for of in ("t", "velocity"):
+        pairs = [(getattr(a, of), getattr(b, of)) for a, b in zip(run.events, judge.events, strict=True) if getattr(a, of) is not None]
+        assert np.max(abs(np.diff(pairs)), initial=0.0) < within
+    for name in ("x", "v", "load"):
+        assert np.allclose(getattr(run, name)[-1], getattr(judge, name)[-1], rtol=0, atol=10 * within)
+    assert np.max(abs(ss.energy(run).residual)) < 1e-14 and np.max(abs(ss.energy(judge).residual)) < 1e-11
+    return run
+
+
+def test_a_ball_bounces_slides_and_stops_by_hand():
+    """Hits at t1 (1 + 2 e + 2 e^2 ...), each takes mu (1 + e) of its speed along; after their limit it slides on with mu g."""
+    mu, e, height, first = 0.1, 0.5, 1.0, 2.0
+    run = agrees(Ball(ss.Coulomb(mu, mu), e), {"x": {"z": height}, "v": {"x": first}}, 2.1)
+    fall, speed = np.sqrt(2 * height / G), np.sqrt(2 * G * height)
+    landings = [event for event in run.events if event.kind == "landing"]
+    n = np.arange(len(landings))
+    assert len(n) > 20 and run.events[-1].kind == "stick"
+    assert np.allclose([event.t for event in landings], fall * (1 + 2 * e * (1 - e**n) / (1 - e)), rtol=0, atol=1e-13)
+    assert np.allclose([event.velocity for event in landings], -speed * e**n, rtol=0, atol=1e-14)
+    limit, along = fall * (1 + e) / (1 - e), first - mu * (1 + e) * speed / (1 - e)
+    assert 0.0 < limit - landings[-1].t < 1e-8 * 0.5 * 4  # rebounds that are over within 1e-8 of the time scale are over at once
+    end = limit + along / (mu * G)
+    assert run.events[-1].t == pytest.approx(end, abs=1e-8) and run.t[-1] == pytest.approx(2.1)
+    energy = ss.energy(run)
+    assert energy.damping_of["ground (hits)"].sum() == pytest.approx(0.5 * G * height, rel=1e-8)
+    assert energy.friction.sum() == pytest.approx(0.25 * first**2, rel=1e-12)
+
+
+def hit_by_hand(half, angle, v, mu, e):
+    """Rates of the rod after a hit of its foot: impulses P across and Q along, with the lever arms of the foot."""
+    inertia, (ahead, up) = half**2 / 3, (-half * np.cos(angle), -half * np.sin(angle))
+    n, g = np.array([0.0, 1.0, ahead]), np.array([1.0, 0.0, -up])
+    W = np.diag([1.0, 1.0, 1 / inertia])
+    A, B, C = n @ W @ n, n @ W @ g, g @ W @ g
+    r, w = n @ v, g @ v
+    P, Q = np.linalg.solve([[A, -B], [-B, C]], [-(1 + e) * r, w])
+    if abs(Q) > mu * P:
+        side = np.sign(Q)
+        P = -(1 + e) * r / (A - side * mu * B)
+        Q = side * mu * P
+    return v + W @ (n * P - g * Q), abs(Q) < mu * P
+
+
+@each_row(
+    "mu, e, angle, along, rate, sticks",
+    [
+        (0.3, 0.0, 0.9, 0.4, 0.0, False), (0.3, 0.6, 0.9, -3.0, 0.5, False),
+        (0.1, 0.6, 2.0, 2.5, 1.0, False), (0.9, 0.3, 1.2, 0.1, -0.7, True),
+    ],
+)  # fmt: skip
+def test_a_rod_hits_the_ground_with_its_foot_by_hand(mu, e, angle, along, rate, sticks):
+    """Newton's restitution and Coulomb's friction at a point whose impulses along and across feel one another."""
+    half = 0.5
+    rod, fall = Rod(half, ss.Coulomb(mu, mu), e), 0.3
+    start = {"x": {"z": 1.0, "angle": angle}, "v": {"x": along, "angle": rate}}
+    run = ss.solve(rod, duration=fall + 0.3, start=start)
+    landing = run.events[0]
+    before = np.array([along, -G * landing.t, rate])
+    after, rests = hit_by_hand(half, angle + rate * landing.t, before, mu, e)
+    node = np.flatnonzero(run.pieces.t == landing.t)[0]
+    found = run._states_at(np.array([landing.t]), np.array([node]))[1][0]
+    assert landing.kind == "landing" and rests == sticks and np.allclose(found, after, rtol=0, atol=1e-11)
+    agrees(rod, start, fall + 0.3)
+
+
+def test_a_box_hops_lands_and_stays_as_the_judge_says():
+    """Without restitution it stays on the ground where it lands; with one rebounds die out, again and again."""
+    run = agrees(hopper(0.0), HOP, 0.9)
+    assert [event.kind for event in run.events] == ["take-off", "landing", "stick", "take-off", "landing"]
+    assert run.bodies["box"].z[-1] == pytest.approx(0.0, abs=1e-14) and run.contacts["foot"].mode[-1] == 0
+    many = agrees(hopper(0.4), HOP, 1.3)
+    assert len(many.events) == 23 and sum(event.kind == "take-off" for event in many.events) == 2
+    aloft = many.at([0.3])
+    assert aloft["load"][0, 0] == aloft["friction_force"][0, 0] == 0.0
+    assert aloft["acceleration"][0, 0] == 0.0 and np.dot([1.5, 0.5], aloft["acceleration"][0, 1:]) == pytest.approx(-1.5 * G, abs=1e-12)
+
+
+def test_batches_gradients_and_simulations_know_flights():
+    batch = ss.solve(hopper(np.array([0.0, 0.4, 0.7])), duration=2.0, start=HOP)
+    singles = [ss.solve(hopper(e), duration=2.0, start=HOP) for e in (0.0, 0.4, 0.7)]
+    ways = np.array([run.x[-1] - run.x[0] for run in singles])
+    assert batch.status.tolist() == [0, 0, 0] and np.allclose(batch.body_displacement, ways, rtol=0, atol=1e-12)
+    found = ss.dynamics.sensitivity(singles[1], wrt=["stiffness", "restitution"])
+    for i, name in enumerate(found.names):
+
+        def end(h, name=name, value=found.values[i]):
+            moved = ss.solve(hopper(0.4).replace({name: value + h}), duration=2.0, start=HOP)
+            return np.r_[moved.mean_velocity, moved.v[-1]]
+
+        one, half = ((end(h) - end(-h)) / (2 * h) for h in (1e-4 * found.values[i], 5e-5 * found.values[i]))
+        assert np.allclose(np.r_[found.mean_velocity[i], found.state[i, :3]], (4 * half - one) / 3, rtol=1e-8, atol=1e-9)
+    simulation = ss.simulation(hopper(0.4), start=HOP)
+    for _ in range(20):
+        simulation.step(0.1)
+    assert [*simulation.state["x"]] == pytest.approx(singles[1].x[-1].tolist(), abs=1e-11)
+
+
+def test_gradients_pass_through_hits_of_a_foot_whose_gap_depends_on_the_numbers():
+    start, rod = {"x": {"z": 1.0, "angle": 0.9}, "v": {"x": 0.2}}, Rod(0.5, ss.Coulomb(0.3, 0.3), 0.5)
+    run = ss.solve(rod, duration=0.8, start=start)
+    found = ss.dynamics.sensitivity(run, wrt=["half"])
+    ends = [ss.solve(rod.replace({"half": 0.5 + h}), duration=0.8, start=start) for h in (1e-4, -1e-4, 5e-5, -5e-5)]
+    v = [of.v[-1] for of in ends]
+    assert len(run.events) == 2
+    assert np.allclose(found.state[0, :3], (4 * (v[2] - v[3]) / 1e-4 - (v[0] - v[1]) / 2e-4) / 3, rtol=1e-7, atol=1e-8)
+
+
+def test_a_foot_that_lands_where_no_load_follows_ends_the_run():
+    start = {"x": {"z": 1.0, "angle": 2.0}, "v": {"x": 3.0}}
+    for method in ("auto", "dop853"):
+        run = ss.solve(Rod(0.5, ss.Coulomb(1.5, 1.5), 0.0), duration=0.6, start=start, method=method)
+        assert run.status == Status.PAINLEVE.sentence
+        assert run.t[-1] == pytest.approx(np.sqrt(2 * (1.0 - 0.5 * np.sin(2.0)) / G), abs=1e-12)
+
+
+def test_the_equations_have_the_flight_and_the_rebound():
+    text = ss.latex(hopper(0.4))
+    assert r"N &= R = 0, && h > 0" in text and r"\dot h^+ &= - \mathrm{restitution} \, \dot h^-" in text and "&= N - " in text
+
+
+@each_row(
+    "x, v, words",
+    [
+        ({"z": 0.1, "angle": 0.5}, {}, "m below what it rubs on at the start; allowed is on it or above"),
+        ({"z": 0.5 * np.sin(0.5), "angle": 0.5}, {"z": -1.0}, "moves into it at 1 m/s"),
+    ],
+)
+def test_a_flying_point_begins_on_the_ground_or_above(x, v, words):
+    with pytest.raises(InputError, match=re.escape(words)):
+        ss.solve(Rod(0.5, ss.Coulomb(0.3, 0.3), 0.3), duration=1.0, start={"x": x, "v": v})
+
+
+@each_row("restitution, hold, words", [(1.0, "push", "from 0 to below 1"), (0.3, "both", 'type hold="push"')])
+def test_a_restitution_is_that_of_ground_that_pushes(restitution, hold, words):
+    def contacts(self):
+        return {"ground": ss.Contact("ball", self.friction, hold=hold, restitution=self.restitution)}
+
+    with pytest.raises(InputError, match=re.escape(words)):
+        type("Other", (Ball,), {"contacts": contacts})(ss.Coulomb(0.1, 0.1), restitution)
