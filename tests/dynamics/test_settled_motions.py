@@ -137,6 +137,20 @@ def test_the_logistic_map_by_its_number():
     assert found.period.tolist() == [1, 2, 0, 0, 0]
 
 
+def test_a_chaos_map_of_a_map_has_the_exponents_of_its_multipliers():
+    """A fixed point has the multiplier 2 - r, the motion of period 2 the multiplier 4 + 2 r - r^2; at r = 3.9 ln|f'| is averaged here."""
+    made = lambda r: ss.SwitchingFlow.of_map(LOGISTIC, {"r": r}, ("x",))  # noqa: E731
+    found = ss.dynamics.chaos_map(made, r=[2.8, 3.2, 3.9], start={"x": 0.3}, settle=200, periods=400)
+    assert found.period.values.tolist() == [1, 2, 0] and found.motion.values.tolist() == ["periodic", "periodic", "chaotic"]
+    x, logs = 0.3, []
+    for _ in range(100_000):
+        x = 3.9 * x * (1 - x)
+        logs.append(np.log(abs(3.9 * (1 - 2 * x))))
+    wanted = [np.log(0.8), 0.5 * np.log(0.16), np.mean(logs)]
+    assert found.exponent.values[:2] == pytest.approx(wanted[:2], abs=1e-9)
+    assert found.exponent.values[2] == pytest.approx(wanted[2], abs=4 * found.error.values[2])
+
+
 def test_bifurcation_and_chaos_map_say_what_a_motion_is():
     logistic = ss.SwitchingFlow.of_map(LOGISTIC, {"r": 3.2}, ("x",))
     diagram = ss.bifurcation(logistic, parameter="r", values=[2.8, 3.9], start={"x": 0.3}, follow=False, settle=50)

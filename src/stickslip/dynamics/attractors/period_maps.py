@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.basics.arguments import Executes, Maker, explains_arguments
-from stickslip.basics.batch import some_of
+from stickslip.basics.batch import cases_of, some_of
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import Problems
 from stickslip.basics.executors import Workers
@@ -20,11 +20,14 @@ from stickslip.dynamics.attractors.settled_motions import checked_limit, settled
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.derivatives.tangents import jacobians_of, not_followed
 from stickslip.dynamics.exponents.motion_exponents import exponents_from
+from stickslip.dynamics.flows.flow_stretches import passage
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, over_chunks
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over, strobe_map
+from stickslip.models.model_adapter import adapter_of
+from stickslip.solvers.plain.composed_flows import mode_of_strobe_state
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -175,7 +178,7 @@ def _looked_at(
     tell(0.7)
     V = features_of(model.period, settled, at).mean_velocity
     state, exponent, error = settled.points[:, -1], settled.exponent.copy(), settled.error.copy()
-    followed = at.section is None and not not_followed(model)
+    followed = at.section is None and not (adapter_of(model).has_bodies and not_followed(model))
     for p in np.unique(settled.period[settled.period > 0]):
         members = np.flatnonzero(settled.period == p)
         some = some_of(model, members)
@@ -192,10 +195,19 @@ def _by_multipliers(model: Model, state: Array, period: int, scales: Array, rtol
     d = coordinates(model).smooth
     after = strobe_map(model, state, period, rtol).state
     with np.errstate(divide="ignore", invalid="ignore"):
-        first, second = (
-            np.log(_largest(jacobians_of(model, s, period, rtol) * (scales[:d] / scales[:d, None]))) / period for s in (state, after)
-        )
+        if adapter_of(model).has_bodies:
+            both = [jacobians_of(model, s, period, rtol) * (scales[:d] / scales[:d, None]) for s in (state, after)]
+        else:
+            both = [_jacobians_of_flows(model, s, period) for s in (state, after)]
+        first, second = (np.log(_largest(matrices)) / period for matrices in both)
         return first, np.nan_to_num(abs(first - second), posinf=np.inf)
+
+
+def _jacobians_of_flows(flows: Any, states: Array, period: int) -> Array:
+    """Derivatives of the states of some flows after so many periods, without the drifts of cyclic ones: array (cases, states, states)."""
+    along = zip(cases_of(flows), states, strict=True)
+    passed = [(flow, passage(flow, s[:-1], mode_of_strobe_state(flow, s), period * float(flow.period))) for flow, s in along]
+    return np.stack([flow.drifts.without(each.monodromy) for flow, each in passed])
 
 
 def _largest(matrices: Array) -> Array:
