@@ -20,6 +20,7 @@ from stickslip.engine.plain_kernels import plain_kernel
 from stickslip.engine.taylor import watched
 from stickslip.engine.values import needed_by
 from stickslip.models.machine_adapter import machine_of
+from stickslip.models.model_adapter import adapter_of, is_model
 from stickslip.models.pushed import force_names, pushed
 from stickslip.solvers.held_bodies import check_one_machine, request_of_one
 from stickslip.solvers.methods import method_for
@@ -117,6 +118,7 @@ def machine_in_c(
     >>> [number.name for number in made.numbers if number.role == INPUT], made.method
     (['speed'], 'exact')
     """
+    _refuse_flows(machine, who)
     check_one_machine(machine, who)
     forces = force_names(machine)
     by_number = {number: name for name, number in reversed(forces.items())}  # the shortest name of each comes first there
@@ -160,6 +162,14 @@ def machine_in_c(
         tables=_tables(kernel.layout, eq, stops),
         method="exact" if tableau is None else tableau.name,
     )  # fmt: skip
+
+
+def _refuse_flows(machine: Any, who: str) -> None:
+    """`InputError` for a flow, whose steps are made from rates and switches of its own."""
+    if is_model(machine) and not adapter_of(machine).has_bodies:
+        why = "the C steps bodies on contacts, and a flow has rates, switches and resets of its own in their place"
+        how = "write it as a machine of Body, Contact and Spring (docs/your-own-machine.md), or step it in Python: type ss.simulation(flow)"
+        raise InputError(who, [f"{machine!r} is a SwitchingFlow, which cannot be exported: {why}; {how}"])
 
 
 def _check_compiles(machine: Any, laws: Sequence[Any], who: str) -> None:

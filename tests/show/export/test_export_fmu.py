@@ -252,6 +252,7 @@ def test_a_unit_of_sources_is_the_same_bytes_each_time_and_names_its_numbers(tmp
     [
         ((BELT.replace(speed=np.array([0.1, 0.2])),), "is a batch of shape"),
         ((ss.LuGre.example(),), "is not a machine"),
+        ((ss.SwitchingFlow(lambda t, y: (y[1], -9.81)),), "rates, switches and resets of its own in their place; write it as a machine"),
         ((BELT, {"inputs": ["sped"]}), "there is no input 'sped'; did you mean 'speed'?"),
         ((BELT, {"inputs": "speed"}), 'type for example inputs=["force"]'),
         ((BELT, {"outputs": ["w"]}), "there is no output 'w'"),
@@ -259,7 +260,7 @@ def test_a_unit_of_sources_is_the_same_bytes_each_time_and_names_its_numbers(tmp
         ((BELT, {"name": "my belt"}), "allowed is a name of letters, digits and _"),
         ((MACHINES["robot"].replace(friction=ss.friction.Bristle.example()),), "the Robot has Bristle friction, which is random"),
     ],
-    ids=range(8),
+    ids=range(9),
 )
 def test_what_cannot_be_exported_says_why(arguments, told, tmp_path):
     machine, more = (*arguments, {})[:2]
