@@ -1,7 +1,9 @@
-"""Long calls on threads, on processes, on Dask: the same results, bit for bit."""
+"""Long calls in threads, in processes, on loky and on Dask: the same results, bit for bit."""
 
+import contextlib
 import dataclasses
 import functools
+import importlib.util
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -16,15 +18,21 @@ RIG = ss.presets.piezo_rig
 LAW = {"tilt_deg": 1.7, "law": "coulomb"}
 ROBOT, AMPLITUDES = RIG(amplitude=6e-4, **LAW), np.linspace(2e-4, 8e-4, 140)  # a chunk has 128 cases
 FALL = ss.SwitchingFlow(lambda t, y, n: (y[1], -n.g), numbers={"g": 10.0})
-#: By name: the call, which takes where it is computed.
-CALLS = {
+OVER = {"drive.amplitude": (3e-4, 8e-4)}
+FREE = {"friction.mu_plus": (0.1, 0.3), "friction.mu_minus": (0.1, 0.3)}
+#: Of each kind one, whose tests are quick.
+QUICK = {
     "sweep": lambda **where: ss.sweep(RIG, amplitude=AMPLITUDES, omega=[90.0, 200.0, np.nan], **LAW, tile=64, **where),
     "map": lambda **where: ss.map(
         RIG, refine=True, coarse=9, amplitude=np.linspace(2e-4, 8e-4, 33), omega=np.linspace(120, 240, 33), **LAW, **where
     ),
     "chaos_map": lambda **where: ss.dynamics.chaos_map(RIG, amplitude=AMPLITUDES, settle=40, periods=20, **LAW, **where),
+    "identify": lambda **where: fit_of(
+        [1.61e-3, 4.31e-3], RIG, free={"mu0": (0.05, 0.5)}, tilt_deg=1.7, amplitude=[5e-4, 8e-4], law="coulomb", starts=16, **where
+    ),
 }
-MORE = {
+#: By name: the call, which takes where it is computed.
+CALLS = QUICK | {
     "sweep of a flow": lambda **where: ss.sweep(FALL, g=[5.0, 10.0], start=[1.0, 0.0], duration=1.0, tile=1, **where),
     "sweep along": lambda **where: ss.sweep(
         RIG, amplitude=AMPLITUDES[::20], omega=[90.0, 200.0], **LAW, continue_along="amplitude", tile=1, **where
@@ -43,17 +51,47 @@ MORE = {
     "atlas": lambda **where: (
         ss.atlas(RIG, over={"amplitude": [3.3e-4, 3.6e-4, 3.9e-4], "mu0": [0.17, 0.18]}, branches=0, **LAW, **where).map
     ),
-    "optimise": lambda **where: ss.optimise(ROBOT, over={"drive.amplitude": (3e-4, 8e-4)}, **where).model,
+    "optimise": lambda **where: ss.optimise(ROBOT, over=OVER, **where).model,
+    "pareto": lambda **where: ss.optimisation.pareto(ROBOT, over=OVER, maximise="mean_velocity", minimise="drive_power", points=3, **where),
     "propagate": lambda **where: ss.optimisation.propagate(ROBOT, {"friction.mu_plus": ("normal", 0.15, 0.005)}, samples=64, **where),
     "bootstrap": lambda **where: bootstrap(_fitted(), 4, seed=5, **where),
+    "identify, curves": lambda **where: fit_of(_curve(), ROBOT, free=FREE, starts=16, **where),
+    "identify, forces": lambda **where: fit_of(
+        _forces(),
+        ss.Stribeck,
+        free={"mu_plus": (0.1, 1.0), "f_plus": (0.1, 1.0), "v_s": (1e-5, 1e-2, "log")},
+        load=10.0,
+        sensor={},
+        **where,
+    ),
 }
+
+
+def fit_of(*args, **named):
+    """What a fit of few starts comes to."""
+    fit = ss.identify(*args, **named)
+    return [fit.values, fit.point, fit.jacobian, fit.residuals, fit.agree, fit.notes, fit.provenance]
+
+
+@functools.cache
+def _curve():
+    return ss.virtual_rig(ROBOT, noise=1e-3, seed=3)
+
+
+@functools.cache
+def _forces():
+    """Friction over a slow sine, with noise."""
+    t = np.linspace(0, 3, 600)
+    x = 2e-4 * np.sin(2 * np.pi * t)
+    F = (3.0 + 2.0 * np.exp(-((np.gradient(x, t) / 3e-4) ** 2))) * np.sign(np.gradient(x, t))
+    noise = np.random.default_rng(0).normal(scale=0.1, size=len(t))
+    return ss.Record.of(t, {"x [m]": x, "F [N]": F + noise}, roles={"F": "force"})
 
 
 @functools.cache
 def _fitted():
     """A fit of a steady curve."""
-    free = {"friction.mu_plus": (0.1, 0.3), "friction.mu_minus": (0.1, 0.3)}
-    return ss.identify(ss.virtual_rig(ROBOT, noise=1e-3, seed=3), ROBOT, free=free)
+    return ss.identify(_curve(), ROBOT, free=FREE)
 
 
 def bits(result):
@@ -70,30 +108,37 @@ def bits(result):
 
 @pytest.fixture(scope="module")
 def pools():
-    with processes() as spawned, ThreadPoolExecutor(2) as threads:
-        yield {"processes": spawned, "an executor of threads": threads}
+    """Executors of this computer by name, made when they are asked for."""
+    with contextlib.ExitStack() as kept:
+
+        @functools.cache
+        def of(name):
+            if name == "Dask":
+                import distributed
+
+                cluster = kept.enter_context(distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None))
+                return kept.enter_context(cluster.get_client()).get_executor()
+            if name == "loky":
+                import loky
+
+                return kept.enter_context(loky.ProcessPoolExecutor(2))
+            return kept.enter_context(processes() if name == "processes" else ThreadPoolExecutor(2))
+
+        yield of
 
 
-def _agree(call, pools):
-    mine = bits(call())
-    for where, given in {"threads": {"workers": 2}, **{pool: {"executor": each, "workers": 2} for pool, each in pools.items()}}.items():
-        assert bits(call(**given)) == mine, where
+HERE, CLUSTERS = ("processes", "an executor of threads"), {"Dask": "distributed", "loky": "loky"}
 
 
-@pytest.mark.parametrize("name", CALLS)
-def test_processes_and_threads_give_the_bits_of_one_thread(name, pools):
-    _agree(CALLS[name], pools)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", MORE)
-def test_so_do_they_in_all_other_long_calls(name, pools):
-    _agree(MORE[name], pools)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", CALLS | MORE)
-def test_and_so_do_clusters(name):
-    distributed = pytest.importorskip("distributed")
-    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, cluster.get_client() as client:
-        _agree((CALLS | MORE)[name], {"Dask": client.get_executor()})
+@pytest.mark.parametrize(
+    ("name", "wide"),
+    [pytest.param(name, wide, marks=[pytest.mark.slow] * (wide or name not in QUICK)) for wide in (False, True) for name in CALLS],
+)
+def test_every_executor_gives_the_bits_of_one_thread(name, wide, pools):
+    mine, where = bits(CALLS[name]()), CLUSTERS if wide else HERE
+    there = [each for each in where if not wide or importlib.util.find_spec(CLUSTERS[each])]
+    if not there:
+        pytest.skip("neither distributed nor loky is installed")
+    ways = {each: {"executor": pools(each), "workers": 2} for each in there} | ({} if wide else {"threads": {"workers": 2}})
+    for each, given in ways.items():
+        assert bits(CALLS[name](**given)) == mine, each

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from functools import cache, wraps
 from typing import Any, ParamSpec, TypeVar
@@ -14,7 +15,7 @@ def in_one_thread(function: Callable[P, R]) -> Callable[P, R]:
     """Decorate a function so that the libraries under NumPy and SciPy use one thread for linear algebra while it runs.
 
     The singular values of a matrix of a few columns then take some 0.1 ms; with several threads, on a machine whose cores are busy, they
-    take hundreds of ms. Afterwards the number of threads is as before.
+    take hundreds of ms. When the last of several such functions that run side by side has ended, the number of threads is as before.
 
     Examples
     --------
@@ -25,10 +26,38 @@ def in_one_thread(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def alone(*args: P.args, **kwargs: P.kwargs) -> R:
-        with _libraries().limit(limits=1, user_api="blas"):
+        _limit.begin()
+        try:
             return function(*args, **kwargs)
+        finally:
+            _limit.end()
 
     return alone
+
+
+class _Limit:
+    """One thread for linear algebra from when the first of several functions begins until the last one ends."""
+
+    def __init__(self) -> None:
+        self._lock, self._count = threading.Lock(), 0
+        self._kept: Any = None
+
+    def begin(self) -> None:
+        """Another function begins."""
+        with self._lock:
+            self._kept = self._kept or _libraries().limit(limits=1, user_api="blas")
+            self._count += 1
+
+    def end(self) -> None:
+        """A function ends."""
+        with self._lock:
+            self._count -= 1
+            if self._count == 0:
+                self._kept, kept = None, self._kept
+                kept.restore_original_limits()
+
+
+_limit = _Limit()
 
 
 @cache

@@ -634,6 +634,23 @@ def test_a_function_that_makes_a_belt_has_its_cycles_followed_to_where_stick_sli
     assert ends == pytest.approx([0.667344684331], abs=1e-9)
 
 
+def test_where_a_command_computes_is_said_by_executor(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "pools.py").write_text(
+        "from concurrent.futures import ThreadPoolExecutor\n\n\ndef two():\n    return ThreadPoolExecutor(2)\n\n\nthree = 3\n"
+    )
+    words = ("coulomb_robot", "alpha_plus=0.4..0.7:4", "alpha_minus=0.9")
+    here = call(capsys, "sweep", *words)
+    assert call(capsys, "sweep", *words, "--executor", "pools.py:two")[:2] == here[:2] and here[0] == 0
+    for wrong, said in {
+        "processes": "has no number of processes", "processes:0": "from 1 to 1024", "eight": "'eight' is not known; allowed is processes:N",
+        "pools.py:three": "has no function 'three'", "pools.py:tow": "did you mean 'two'?",
+    }.items():  # fmt: skip
+        code, _, err = call(capsys, "sweep", *words, "--executor", wrong)
+        assert code == 2 and said in err and "--executor" in err
+    assert "leave it out, or give a range" in call(capsys, "lyapunov", *ROBOT, "--executor", "processes:2")[2]
+
+
 def test_doublings_that_are_not_followed_are_said_with_what_follows_them():
     from types import SimpleNamespace
 

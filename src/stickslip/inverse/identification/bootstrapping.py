@@ -83,7 +83,7 @@ def bootstrap(fit: Fit, repeats: int, seed: int, workers: int = 1, executor: Any
 
 def _finished(start: Array, replicate: tuple[int, Any]) -> Any:
     """Where the steps of one replicate end."""
-    return polished_to_end(replicate[1], start, rough=True).point
+    return polished_to_end(replicate[1].afresh(), start, rough=True).point
 
 
 def _stepped(fit: Fit, problems: list[Any], workers: Workers) -> tuple[Any, Any]:
@@ -124,7 +124,7 @@ def _residuals(problems: list[Any], points: Array, which: Any, workers: Workers)
 
 
 def _residuals_of(replicate: tuple[int, Any, Array]) -> Any:
-    return replicate[1].residuals(replicate[2])
+    return replicate[1].afresh().residuals(replicate[2])
 
 
 def _resampled_problem(fit: Fit, rng: Any) -> Any:

@@ -184,6 +184,10 @@ class CommandedProblem(OverParameters):
     def _like(self, **changes: Any) -> CommandedProblem:
         return replace(self, **{"_motions": {}, **changes})
 
+    def afresh(self) -> CommandedProblem:
+        """The same fit with a memory and a count of its own, which begin with what is remembered here."""
+        return replace(self, solves=0, _motions=dict(self._motions))
+
     def with_values(self, y: Any) -> CommandedProblem:
         """The same fit for other measured values, of the same motions."""
         return replace(self, values=y)

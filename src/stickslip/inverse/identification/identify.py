@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Maker, Numbers, explains_arguments
+from stickslip.basics.arguments import Executes, Maker, Numbers, explains_arguments
 from stickslip.basics.contracts import Model
 from stickslip.basics.distributions import ALLOWED, distribution_of
 from stickslip.basics.errors import InputError, Problems, is_one_of
+from stickslip.basics.executors import Workers
 from stickslip.basics.fields import checked_number
 from stickslip.basics.interruption import interruptible
 from stickslip.basics.phrases import counted, listed
@@ -71,6 +72,8 @@ def identify(
     starts: int = 64,
     seed: int = 0,
     rtol: float = 1e-8,
+    workers: int = 1,
+    executor: Executes = None,
     progress: Callable[[int, int], None] | bool | None = None,
     **arguments: Any,
 ) -> Fit:
@@ -141,6 +144,10 @@ def identify(
         Seed of the multistart.
     rtol : float
         Relative tolerance of the solver.
+    workers : int
+        Threads among which the points of the search are divided. The results do not depend on it.
+    executor : executor or callable, optional
+        Compute them there, as for `sweep`; `workers` is then the number of its workers.
     progress : callable or bool, optional
         True for a progress line, or a function that is called with (done, in all).
     **arguments
@@ -161,15 +168,17 @@ def identify(
     """
     records, weigh = as_list(records), loss_of(loss)
     how = FitSettings(using, noise, frequency, load, settle, transient, sensor, harmonics, body, starts, seed, rtol)
-    _check(records, how)
+    crew = Workers(workers, executor)
+    _check(records, how, crew)
     records = weighted(records, weights)
     problem = problem_of(records, make, free, tied, arguments, how)
     notes = _notes(records, problem)
     rough = problem.rough()
     guesses = [np.array([*point, *(n.value for n in rough.numbers)]) for point in rough.model.guesses()]
     notes += _at_the_guess(problem, guesses)
-    seeds = partial(nested_seeds, rough, starts, seed) if not guesses else lambda: guesses
-    best, agree = searched(rough, 0 if guesses and starts == 1 else starts, seed, reporting(progress, "identify"), seeds)
+    with crew.kept() as kept:
+        seeds = partial(nested_seeds, rough, starts, seed, kept) if not guesses else lambda: guesses
+        best, agree = searched(rough, 0 if guesses and starts == 1 else starts, seed, reporting(progress, "identify"), seeds, kept)
     problem, best = finished(problem, best)
     spared = [] if best.stopped else spared_numbers(problem, best)
     problem, best = held_back(weigh, problem, best if best.stopped else canonical(problem, best, spared))
@@ -264,7 +273,7 @@ def _refuse_chance(model: Any, machine: bool) -> None:
         raise InputError("identify", [f"{random} cannot be fitted: {why}; fit a law without chance, such as ss.friction.GMS or ss.LuGre"])
 
 
-def _check(records: list[Any], how: FitSettings) -> None:
+def _check(records: list[Any], how: FitSettings, workers: Workers) -> None:
     problems, using, noise = Problems("identify"), how.using, how.noise
     if not records:
         problems.add("no record given; type for example ss.identify([ss.read(path)], ...)")
@@ -289,6 +298,7 @@ def _check(records: list[Any], how: FitSettings) -> None:
         checked_number("noise", noise, problems, between(1e-30, 1e30), "a positive standard deviation, or None", "noise=1e-4")
     problems.whole("starts", how.starts, 1, example=64)
     problems.whole("seed", how.seed, 0, example=1)
+    workers.note(problems)
     problems.check()
 
 

@@ -139,6 +139,14 @@ class MeasuredProblem:
     def _like(self, model: Model, **changes: Any) -> MeasuredProblem:
         return dataclasses.replace(self, model=model, _memory={}, **changes)
 
+    def afresh(self) -> MeasuredProblem:
+        """The same fit with a memory and a count of its own, which begin with what is remembered here."""
+        return self._like(self.model.afresh())
+
+    def count(self, solves: int) -> None:
+        """Count models that were solved elsewhere."""
+        self.model.solves += solves
+
     def with_values(self, y: Numeric, shifts: Any = 0.0) -> MeasuredProblem:
         """The same fit for other measured values."""
         return self._like(self.model.with_values(y), shifts=shifts)

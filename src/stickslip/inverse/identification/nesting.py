@@ -10,17 +10,18 @@ import numpy as np
 
 from stickslip.basics.contracts import Array, Numeric
 from stickslip.basics.errors import InputError
+from stickslip.basics.executors import HERE, Workers
 from stickslip.basics.fields import leaves
 from stickslip.basics.interruption import Interrupted
 from stickslip.inverse.identification.friction_effects import EFFECTS, numbers_without
-from stickslip.inverse.identification.search import polished_to_end, searched
+from stickslip.inverse.identification.search import best_polished, searched
 
 _ALL = 3  # effects up to which every set of them is left out
 _STARTS = 16
 _GRID, _FINE = 33, 1e-10  # points that are tried, and how near the best one is found
 
 
-def nested_seeds(problem: Any, starts: int, seed: int) -> list[Any]:
+def nested_seeds(problem: Any, starts: int, seed: int, workers: Workers = HERE) -> list[Any]:
     """Whole points where the law is a simpler one, and fits best as such: from the simplest on, each sought from those inside it."""
     try:
         known = [numbers for point in _samples(problem) if (numbers := _numbers(problem, point)) is not None]
@@ -31,7 +32,7 @@ def nested_seeds(problem: Any, starts: int, seed: int) -> list[Any]:
     ends: dict[frozenset[str], Any] = {}
     for effects in sets:
         inside = [point for more, point in ends.items() if more > set(effects)]
-        end = _fitted(problem, known, effects, inside, starts, seed)
+        end = _fitted(problem, known, effects, inside, (starts, seed, workers))
         if end is not None:
             ends[frozenset(effects)] = end
     return list(ends.values())
@@ -87,8 +88,9 @@ def _idle(problem: Any, effects: Iterable[str]) -> list[int]:
     return idle
 
 
-def _fitted(problem: Any, known: list[Numbers], effects: Iterable[str], inside: list[Any], starts: int, seed: int) -> Any:
+def _fitted(problem: Any, known: list[Numbers], effects: Iterable[str], inside: list[Any], how: tuple[int, int, Workers]) -> Any:
     """The best point of the law without some effects, at which the whole law is that one; None if there is none."""
+    starts, seed, workers = how
     idle = _idle(problem, effects)
     kept = [k for k in range(len(problem.parameters.free)) if k not in idle]
     if not idle or not kept:
@@ -97,9 +99,9 @@ def _fitted(problem: Any, known: list[Numbers], effects: Iterable[str], inside: 
     reduced = problem.leaving_out(effects).only({name: float(held[name]) for name in (problem.parameters.names[k] for k in idle)})
     try:
         if inside:
-            end = min((polished_to_end(reduced, np.delete(point, idle), rough=True) for point in inside), key=lambda e: e.cost)
+            end = best_polished(reduced, [np.delete(point, idle) for point in inside], workers)
         else:
-            end, _ = searched(reduced, min(starts, _STARTS), seed)
+            end, _ = searched(reduced, min(starts, _STARTS), seed, workers=workers)
     except InputError:
         return None
     if end.stopped:

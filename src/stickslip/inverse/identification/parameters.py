@@ -326,6 +326,10 @@ class OverParameters:
     def _like(self, **changes: Any) -> Self:
         return replace(self, **changes)  # type: ignore[type-var]
 
+    def afresh(self) -> Self:
+        """The same fit with a memory and a count of its own, which begin with what is remembered here."""
+        return self._like(solves=0)
+
     def with_values(self, y: Any) -> Self:
         """The same fit for other measured values."""
         parts = np.split(y, np.cumsum([t.count for t in self.targets])[:-1])

@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
+from stickslip.basics.executors import HERE, Workers
 from stickslip.basics.frozen_arrays import sealed
-from stickslip.basics.interruption import Interrupted, look, looking, partial_result
+from stickslip.basics.interruption import Interrupted, looking, partial_result
 from stickslip.basics.one_thread import in_one_thread
+from stickslip.basics.pool import handed_out
 from stickslip.studies.designs import sobol_cube
 
 if TYPE_CHECKING:
     from stickslip.basics.progress import Reported
 
 
+_TOGETHER = 16  # points of the multistart in one batch
 _ALIGNED = 16  # points that are judged by their curves
 _POLISHED = 3  # points from which steps are taken
 _APART = 0.03  # points nearer than this are one
@@ -55,7 +59,12 @@ def starting_points(of: Any, starts: int, seed: int) -> Any:
 
 
 def searched(
-    problem: Any, starts: int, seed: int, progress: Callable[[int, int], None] | None = None, seeds: Callable[[], list[Any]] = list
+    problem: Any,
+    starts: int,
+    seed: int,
+    progress: Callable[[int, int], None] | None = None,
+    seeds: Callable[[], list[Any]] = list,
+    workers: Workers = HERE,
 ) -> tuple[SearchEnd, int]:
     """The best point of a multistart, and how many of the polished starts ended there, roughly.
 
@@ -69,57 +78,90 @@ def searched(
         Called with (done, in all).
     seeds : callable
         Gives whole points from which steps are taken in any case: the best of simpler models inside this one.
+    workers : Workers
+        Where points are judged and polished, each as if it were the only one; the result does not depend on it.
     """
-    judged: list[tuple[float, Any]] = []
+    judged: dict[int, tuple[float, Any]] = {}
+    ends: dict[int, SearchEnd] = {}
     with partial_result() as ending:
-        ends = _ends(problem, starts, seed, progress, seeds, judged)
-    ending.needs(judged)
-    if ending.interrupted:
-        point = min(judged, key=lambda pair: pair[0])[1]
-        ends = [SearchEnd(point, problem.residuals(point), problem.jacobian(point), 0, stopped=True)]
-    best = min(ends, key=lambda end: end.cost)
-    agree = sum(end.cost < 1.01 * best.cost + 1e-9 for end in ends)
-    if progress and not ends[-1].stopped:
+        _judge(problem, starts, seed, workers, judged)
+        inside = seeds()
+        if not judged and not inside:
+            none = f"at none of {starts} points between the bounds can the model be solved"
+            raise InputError("identify", [f"{none}; widen or correct the bounds"])
+        trusted, kept = _kept(problem, judged)
+        _polish(trusted, [*inside, *kept], progress, workers, ends)
+    ending.needs(judged or ends)
+    if not ends:
+        point = min(judged.values(), key=lambda pair: pair[0])[1]
+        ends[0] = SearchEnd(point, problem.residuals(point), problem.jacobian(point), 0)
+    each, stopped = [ends[k] for k in sorted(ends)], ending.interrupted or any(end.stopped for end in ends.values())
+    best = min(each, key=lambda end: end.cost)
+    agree = sum(end.cost < 1.01 * best.cost + 1e-9 for end in each)
+    if progress and not stopped:
         progress(_POLISHED + 1, _POLISHED + 1)
-    return dataclasses.replace(best, stopped=ends[-1].stopped), agree
+    return dataclasses.replace(best, stopped=stopped), agree
 
 
-def _ends(
-    problem: Any, starts: int, seed: int, progress: Reported | None, seeds: Callable[[], list[Any]], judged: list[tuple[float, Any]]
-) -> list[SearchEnd]:
-    """Where steps from the best points end; the points that were judged by their curves are noted."""
-    points = starting_points(problem.parameters, starts, seed) if starts else np.empty((0, len(problem.parameters.free)))
-    score = problem.coarse(points) if starts else np.empty(0)
+def _judge(problem: Any, starts: int, seed: int, workers: Workers, judged: dict[int, tuple[float, Any]]) -> None:
+    """Note the sums of squares at the best points of a multistart, by their rank in a look at all of them."""
+    if not starts:
+        return
+    points = starting_points(problem.parameters, starts, seed)
+    score = np.empty(len(points))
+    some = (slice(k, k + _TOGETHER) for k in range(0, len(points), _TOGETHER))
+    for part, (scores, solves) in handed_out(partial(_coarse, problem.afresh(), points), some, workers):
+        score[part] = scores
+        problem.count(solves)
     order = [int(i) for i in np.argsort(score) if np.isfinite(score[i])]
+    best = [points[i] for i in order[:_ALIGNED]]
     if problem.batched:  # the batch has judged them already
-        chosen = [point for _, point in _spread([(float(score[i]), points[i]) for i in order], problem.first)]
-        judged += [_judged(problem, point) for point in chosen]
-    else:
-        for i in order[:_ALIGNED]:
-            judged.append(_judged(problem, points[i]))
-    inside = seeds()
-    if not order and not inside:
-        none = f"at none of {len(points)} points between the bounds can the model be solved"
-        raise InputError("identify", [f"{none}; widen or correct the bounds"])
-    kept = _spread(sorted(judged, key=lambda pair: pair[0]), problem.first)
+        best = [point for _, point in _spread([(float(score[i]), points[i]) for i in order], problem.first)]
+    for (rank, _), (cost, whole, solves) in handed_out(partial(_judged, problem.afresh()), enumerate(best), workers):
+        judged[rank] = cost, whole
+        problem.count(solves)
+
+
+def _kept(problem: Any, judged: dict[int, tuple[float, Any]]) -> tuple[Any, list[Any]]:
+    """The judged points from which steps are taken, and the problem of these steps."""
+    kept = _spread(sorted((judged[rank] for rank in sorted(judged)), key=lambda pair: pair[0]), problem.first)
     if kept and problem.has_known_rows:  # what is known beforehand counts by the noise, of which the best point tells most
         problem = problem.trusting(max(float(np.sqrt(kept[0][0] / len(problem.y))), 1.0))
-    ends: list[SearchEnd] = []
-    for k, point in enumerate([*inside, *(point for _, point in kept)]):
-        if progress:
-            progress(min(k, _POLISHED), _POLISHED + 1)
-            look()
-        ends.append(polished(problem, point, rough=True))
-        if ends[-1].stopped:
+    return problem, [point for _, point in kept]
+
+
+def _polish(problem: Any, points: list[Any], progress: Reported | None, workers: Workers, ends: dict[int, SearchEnd]) -> None:
+    """Note where steps from some points end."""
+
+    def begun() -> Iterator[tuple[int, Any]]:
+        for k, point in enumerate(points):
+            if progress:
+                progress(min(k, _POLISHED), _POLISHED + 1)
+            yield k, point
+
+    for (k, _), (end, solves) in handed_out(partial(_polished, problem.afresh()), begun(), workers):
+        ends[k] = end
+        problem.count(solves)
+        if end.stopped:
             break
-    return ends
 
 
-def _judged(problem: Any, point: Array) -> tuple[float, Any]:
-    look()
-    whole = problem.aligned(point)
-    rest = problem.residuals(whole)
-    return float(rest @ rest), whole
+def _coarse(problem: Any, points: Array, part: slice) -> tuple[Any, int]:
+    """How badly some points fit, and how many models were solved for it."""
+    own = problem.afresh()
+    return own.coarse(points[part]), own.solves
+
+
+def _judged(problem: Any, ranked: tuple[int, Array]) -> tuple[float, Any, int]:
+    own = problem.afresh()
+    whole = own.aligned(ranked[1])
+    rest = own.residuals(whole)
+    return float(rest @ rest), whole, own.solves
+
+
+def _polished(problem: Any, numbered: tuple[int, Array]) -> tuple[SearchEnd, int]:
+    own = problem.afresh()
+    return polished(own, numbered[1], rough=True), own.solves
 
 
 def _spread(chosen: list[tuple[float, Any]], first: int) -> list[tuple[float, Any]]:
@@ -161,6 +203,15 @@ def polished_to_end(problem: Any, point: Array, rough: bool = False) -> SearchEn
     if end.stopped:
         raise Interrupted
     return end
+
+
+def best_polished(problem: Any, points: list[Any], workers: Workers) -> SearchEnd:
+    """The least sum of squares at which steps from some points end; an interruption goes on."""
+    ends: dict[int, SearchEnd] = {}
+    _polish(problem, points, None, workers, ends)
+    if any(end.stopped for end in ends.values()):
+        raise Interrupted
+    return min((ends[k] for k in sorted(ends)), key=lambda end: end.cost)
 
 
 class _Best:

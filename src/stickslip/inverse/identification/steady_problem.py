@@ -81,6 +81,10 @@ class SteadyProblem(OverParameters):
     def _like(self, **changes: Any) -> SteadyProblem:
         return dataclasses.replace(self, **{"solves": 0, "_warm": dict(self._warm), "_curves": {}, **changes})
 
+    def afresh(self) -> SteadyProblem:
+        """The same fit with a memory and a count of its own, which begin with what is remembered here."""
+        return self._like(_curves=dict(self._curves))
+
     def with_values(self, y: ArrayLike) -> SteadyProblem:
         """The same fit for other measured values, of the same motions."""
         return dataclasses.replace(super().with_values(y), _curves=dict(self._curves))

@@ -77,12 +77,19 @@ SENSOR = argument(
     default=[],
     help="sensor effects: offset=0 fixes it, gain=normal:1:0.02 is a prior, drift=fit leaves it free; ideal: none",
 )
+#: Where a long command computes, besides the threads of workers=.
+EXECUTOR = (
+    argument(
+        "--executor", metavar="WHERE", help="processes:N, or module:function that makes an executor (of a cluster), instead of threads"
+    ),
+)
 #: Where a study is written, and how.
 STUDIES = (
     argument("--out", metavar="PATH", help="a study folder, filled tile by tile, or a .nc, .mat, .csv, .xlsx or .parquet file"),
     argument("--resume", action="store_true", help="continue the study in --out"),
     argument("--shard", metavar="I/N", help="compute only part I of N of the study (then: stickslip merge)"),
     argument("--dask", metavar="ADDRESS", help="compute on the Dask cluster of this scheduler, such as tcp://host:8786"),
+    *EXECUTOR,
     argument("--tile", metavar="CASES", type=int, help="cases that are computed and written together"),
     argument("--along", metavar="NAME", help="start each case where its neighbour along this axis ended, up and down"),
 )

@@ -55,7 +55,7 @@ def study_named(name: str) -> StudyFile:
     if name in PRESETS:
         return StudyFile(PRESETS[name])
     if ":" in name:
-        return StudyFile(_imported(name))
+        return StudyFile(imported(name))
     path = as_path(name, "robot")
     if path.suffix.lower() != ".toml" and not path.exists():
         near = did_you_mean(name, PRESETS)
@@ -69,32 +69,34 @@ def study_named(name: str) -> StudyFile:
     return _read(text, name, path.resolve().parent)
 
 
-def _imported(name: str, folder: Path | None = None) -> Any:
-    """A user's function, as module:function or file.py:function."""
+_MAKERS = "give module:function or file.py:function, of a function that returns a Robot"
+
+
+def imported(name: str, folder: Path | None = None, who: str = "robot", what: str = _MAKERS) -> Any:
+    """A user's function, as module:function or file.py:function; errors are of `who`, and end with `what` to give."""
     import importlib
     import sys
 
     where, _, function = name.rpartition(":")
-    path = (folder or Path()) / as_path(where, "robot")
+    path = (folder or Path()) / as_path(where, who)
     if path.suffix == ".py":
         where = path.stem
         _make_room(where, path.resolve())
         sys.path.insert(0, str(path.resolve().parent))
     elif "" not in sys.path:
         sys.path.insert(0, "")
-    what = "give module:function or file.py:function, of a function that returns a Robot"
     try:
         module = importlib.import_module(where)
     except ModuleNotFoundError as error:
         if error.name is None or not f"{where}.".startswith(f"{error.name}."):
             raise  # the module exists, but one of its imports does not
-        raise InputError("robot", [f"{name!r} cannot be imported ({error}); {what}"]) from None
+        raise InputError(who, [f"{name!r} cannot be imported ({error}); {what}"]) from None
     if path.suffix == ".py":
         _FILES.add(where)
     made = getattr(module, function, None)
     if not _is_usable(made):
         near = did_you_mean(function, [n for n, value in vars(module).items() if _is_usable(value) and not n.startswith("_")])
-        raise InputError("robot", [f"{name!r} cannot be imported: {where} has no function {function!r}; {near}"])
+        raise InputError(who, [f"{name!r} cannot be imported: {where} has no function {function!r}; {near}"])
     return made
 
 
@@ -178,7 +180,7 @@ def _function(name: str, folder: Path) -> Any:
         raise InputError("make", [f"make = {name!r} is neither a preset nor code as file.py:function; {near}"])
     if not ALLOW_CODE.get():
         raise InputError("make", [code_refused("make", name)])
-    return _imported(name, folder)
+    return imported(name, folder)
 
 
 def code_refused(key: str, name: str) -> str:

@@ -10,7 +10,8 @@ from stickslip.show.cli import show
 from stickslip.show.cli.arguments import axes_among, section_asked, subject
 from stickslip.show.cli.commands.resume import remembered
 from stickslip.show.cli.commands.sweep import out_file
-from stickslip.show.cli.declaring import FIGURES, ROBOT, SECTION, argument, command
+from stickslip.show.cli.declaring import EXECUTOR, FIGURES, ROBOT, SECTION, argument, command
+from stickslip.show.cli.executors import executor_asked
 from stickslip.show.cli.outputs import Outcome
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ With --out FOLDER every result is saved as it is found, and `stickslip resume FO
     arguments=(
         *ROBOT,
         *SECTION,
+        *EXECUTOR,
         argument("--starts", metavar="N", type=int, default=5, help="starts at each point (default 5)"),
         argument("--branches", metavar="N", type=int, default=40, help="largest number of motions to follow (default 40; 0: none)"),
         argument("--refine", metavar="N", type=int, default=1, help="how often cells in doubt are halved (default 1; 0: never)"),
@@ -70,7 +72,8 @@ def act(asked: Namespace) -> Outcome:
     print(estimate, file=sys.stderr)
     with remembered(asked, file):
         kept = {"out": asked.out, "resume": asked.resume} if asked.out and file is None else {}
-        result = atlas(study.make, progress=True, **kept, **section_asked(asked), **job)
+        where = executor_asked(asked.executor)
+        result = atlas(study.make, progress=True, **kept, **section_asked(asked), **{**job, **where})
     draws = ((asked.figure, result.plot), (asked.report, lambda: atlas_page(result, f"Atlas of {study.name}", asked.typed)))
     return Outcome(lambda: _record(study, result), lambda: _text(study, result), draws, file or asked.out, result.map if file else None)
 

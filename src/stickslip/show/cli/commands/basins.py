@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 from stickslip.basics.errors import InputError, Problems
 from stickslip.show.cli import show
 from stickslip.show.cli.arguments import section_asked, subject, units_of, values
-from stickslip.show.cli.declaring import FIGURES, ROBOT, SECTION, TABLES, argument, command
+from stickslip.show.cli.declaring import EXECUTOR, FIGURES, ROBOT, SECTION, TABLES, argument, command
+from stickslip.show.cli.executors import executor_asked
 from stickslip.show.cli.outputs import Outcome
 from stickslip.show.cli.study_files import study_named
 
@@ -26,6 +27,7 @@ _START = re.compile(rf"({_NAME.pattern})=(.+)")
     arguments=(
         *ROBOT,
         *SECTION,
+        *EXECUTOR,
         argument("--figure", metavar="FILE", ends=FIGURES, help="draw the map (.png, .svg or .pdf)"),
         argument("--out", metavar="FILE", ends=TABLES, help="write the map (.nc, .mat, .csv, .xlsx or .parquet)"),
     ),
@@ -54,7 +56,8 @@ def _one(asked: Namespace, study: Any, starts: dict[str, Any]) -> Outcome:
     """One robot: the attractor of each initial state."""
     from stickslip.dynamics.attractors.basins import basins
 
-    result = basins(study.robot(), progress=True, **section_asked(asked), **study.options, **starts)
+    how = {**section_asked(asked), **study.options, **executor_asked(asked.executor)}
+    result = basins(study.robot(), progress=True, **how, **starts)
     attractors = [
         {
             "motion": a.kind, "period": a.period, "mean_velocity": a.mean_velocity, "share": a.share, "interval": a.interval,
@@ -81,7 +84,8 @@ def _along(asked: Namespace, study: Any, ranges: list[str], starts: dict[str, An
     parameter = ranges[0]
     rest = {name: given for name, given in study.arguments.items() if name != parameter}
     along = {"parameter": parameter, "values": study.arguments[parameter], "starts": starts}
-    lives = attractors(study.make, progress=True, **along, **section_asked(asked), **study.options, **rest)
+    how = {**section_asked(asked), **study.options, **executor_asked(asked.executor)}
+    lives = attractors(study.make, progress=True, **along, **how, **rest)
     columns = {str(name): lives[name].values for name in lives.data_vars}
     record = {"robot": study.name, "axes": {n: lives[n].values for n in ("attractor", parameter)}, "columns": columns}
     return Outcome(record, _lives(study.name, parameter, lives), ((asked.figure, lambda: plot.attractors(lives)),), asked.out, lives)

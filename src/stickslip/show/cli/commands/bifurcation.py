@@ -6,7 +6,8 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from stickslip.show.cli.arguments import Subject, axes_among, section_asked, subject
-from stickslip.show.cli.declaring import FIGURES, ROBOT, SECTION, TABLES, argument, command
+from stickslip.show.cli.declaring import EXECUTOR, FIGURES, ROBOT, SECTION, TABLES, argument, command
+from stickslip.show.cli.executors import executor_asked
 from stickslip.show.cli.outputs import Outcome
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ _OF_DIAGRAMS = ("settle", "limit", "rtol", "workers", "start")
     arguments=(
         *ROBOT,
         *SECTION,
+        *EXECUTOR,
         argument("--follow", action="store_true", help="also follow the periodic motions, stable or not, and find folds and flips"),
         argument(
             "--period",
@@ -49,8 +51,8 @@ def act(asked: Namespace) -> Outcome:
     from stickslip.dynamics.attractors.bifurcation_diagrams import bifurcation
 
     options = {**study.options, **fixed}
-    looked = {"follow": not asked.batch, **section_asked(asked)}
-    diagram = bifurcation(study.make, parameter=parameter, values=values, progress=True, **looked, **options)
+    looked = {"follow": not asked.batch, **section_asked(asked), **options, **executor_asked(asked.executor)}
+    diagram = bifurcation(study.make, parameter=parameter, values=values, progress=True, **looked)
     branches = _followed(study.make, parameter, values, asked.period, options) if asked.follow else []
     record, text = _record(study, parameter, diagram, branches), _text(study, parameter, diagram, branches)
     return Outcome(record, text, ((asked.figure, lambda: _drawn(diagram, branches, asked.observable)),), asked.out, diagram)

@@ -10,7 +10,8 @@ from stickslip.basics.errors import InputError, Problems, as_path, did_you_mean
 from stickslip.basics.progress import ProgressLine
 from stickslip.show.cli import recorded
 from stickslip.show.cli.arguments import range_ends, settings
-from stickslip.show.cli.declaring import CODE, RECORDS, SENSOR, argument, command
+from stickslip.show.cli.declaring import CODE, EXECUTOR, RECORDS, SENSOR, argument, command
+from stickslip.show.cli.executors import executor_asked
 from stickslip.show.cli.outputs import Outcome
 
 if TYPE_CHECKING:
@@ -71,6 +72,7 @@ and `stickslip identify study.toml` does it.""",
         argument("--level", type=float, default=0.95, help="level of the intervals (default 0.95)"),
         argument("--profile", action="store_true", help="intervals from profile likelihoods"),
         *RECORDS,
+        *EXECUTOR,
         argument("--report", metavar="FILE", ends=(".html",), help="write an offline HTML page (.html)"),
     ),
     example="""\
@@ -94,7 +96,8 @@ def act(asked: Namespace) -> Outcome:
 
     with recorded.in_words_of_the_shell():
         records = [recorded.opened_record(path, asked) for path in job["records"]] or job["means"]
-        fit = identify(records, make, free=job["free"], progress=ProgressLine("starts"), **job["options"], **job["arguments"])
+        how = {**job["options"], **executor_asked(asked.executor)}
+        fit = identify(records, make, free=job["free"], progress=ProgressLine("starts"), **how, **job["arguments"])
     method = "profile" if asked.profile else "auto"
     intervals = {name: fit.interval(name, asked.level, method) for name in fit.values}
     if asked.report is not None:

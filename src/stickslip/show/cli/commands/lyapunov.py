@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from stickslip.basics.errors import InputError
 from stickslip.show.cli import show
 from stickslip.show.cli.arguments import section_asked, subject, value
-from stickslip.show.cli.declaring import FIGURES, ROBOT, SECTION, TABLES, argument, command
+from stickslip.show.cli.declaring import EXECUTOR, FIGURES, ROBOT, SECTION, TABLES, argument, command
+from stickslip.show.cli.executors import executor_asked
 from stickslip.show.cli.outputs import Outcome
 from stickslip.show.cli.study_files import study_named
 
@@ -24,6 +26,7 @@ values
     arguments=(
         *ROBOT,
         *SECTION,
+        *EXECUTOR,
         argument("--figure", metavar="FILE", ends=FIGURES, help="draw their convergence, or the map (.png, .svg or .pdf)"),
         argument("--out", metavar="FILE", ends=TABLES, help="write their convergence, or the map (.nc, .mat, .csv, .xlsx or .parquet)"),
     ),
@@ -54,6 +57,8 @@ def _one(asked: Namespace) -> Outcome:
     from stickslip.dynamics.exponents.motion_verdict import verdict
     from stickslip.show.figures import convergence
 
+    if asked.executor is not None:
+        raise InputError("--executor", ["one motion is followed in one process; leave it out, or give a range: mu0=0.03..0.06:100"])
     settle, rest = _settle(asked.settings)
     study = subject(asked.robot, rest, solver=("periods", "rtol", "start.x", "start.v", "start.z"), strict=False)
     judged = verdict(study.robot(), progress=True, **section_asked(asked), **settle, **study.options)
@@ -107,7 +112,8 @@ def _map(asked: Namespace) -> Outcome:
 
     settle, rest = _settle(asked.settings)
     study = subject(asked.robot, rest, many=True, solver=("periods", "rtol", "workers", "start.x", "start.v", "start.z"), strict=False)
-    grid = chaos_map(study.make, progress=True, **section_asked(asked), **settle, **study.options, **study.arguments)
+    how = {**section_asked(asked), **settle, **study.options, **executor_asked(asked.executor)}
+    grid = chaos_map(study.make, progress=True, **how, **study.arguments)
     axes = [str(d) for d in grid.period.dims]
     record = {
         "robot": study.name, "axes": {name: grid[name].values for name in axes},

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 from stickslip.basics.errors import InputError
 from stickslip.show.cli import show
 from stickslip.show.cli.arguments import subject
-from stickslip.show.cli.declaring import ROBOT, argument, command
+from stickslip.show.cli.declaring import EXECUTOR, ROBOT, argument, command
+from stickslip.show.cli.executors import executor_asked
 from stickslip.show.cli.outputs import Outcome
 from stickslip.show.cli.recorded import in_words_of_the_shell
 from stickslip.show.cli.searches import asked_for, search_table
@@ -49,6 +50,7 @@ A study file says the same in TOML, and --out writes such a file with the best m
 Ctrl-C ends the search; the best so far is printed and written.""",
     arguments=(
         *ROBOT,
+        *EXECUTOR,
         argument("--over", action="append", metavar="NAME=A..B", default=[], help="what varies, with its bounds (may be repeated)"),
         argument("--maximise", metavar="NAME", help="what to maximise: a column of a sweep (default: mean_velocity)"),
         argument("--minimise", metavar="NAME", help="what to minimise instead, such as cost_of_transport"),
@@ -92,7 +94,7 @@ def act(asked: Namespace) -> Outcome:
     from stickslip.inverse.optimisation import optimise
 
     with in_words_of_the_shell("searches"):
-        best = optimise(model, **job, **study.options, progress=True)
+        best = optimise(model, **job, **{**study.options, **executor_asked(asked.executor)}, progress=True)
     written = [str(path) for path in files if path is not None]
     record = {**_record(study.title(), asked.typed, best), "written": written}
     _write(files, best, record, study, asked.typed)

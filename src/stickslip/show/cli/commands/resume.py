@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 _BEGINS = ("sweep", "map", "atlas")
 #: Options that may differ between runs of a study or, like permission to run code, must not come from its folder.
-_OWN = ("--resume", "--json", "--allow-code"), ("--out", "--shard", "--dask")
+_OWN = ("--resume", "--json", "--allow-code"), ("--out", "--shard", "--dask", "--executor")
 
 
 @command(

@@ -13,6 +13,7 @@ from stickslip.show.cli import show
 from stickslip.show.cli.arguments import SOLVER, Subject, subject, units_of, value
 from stickslip.show.cli.commands.resume import remembered
 from stickslip.show.cli.declaring import ROBOT, STUDIES, argument, command
+from stickslip.show.cli.executors import executor_asked
 from stickslip.show.cli.outputs import FILES, Outcome
 from stickslip.show.cli.study_files import study_named
 
@@ -144,6 +145,7 @@ def run_options(asked: Namespace, file: Path | None) -> dict[str, Any]:
         from stickslip.studies.cluster import connected
 
         options["client"] = connected(asked.dask)
+    options |= executor_asked(asked.executor)
     return {name: v for name, v in options.items() if v}
 
 
