@@ -168,7 +168,7 @@ class StudyFolder:
         return f"{of}, which were not made again within {SECONDS:g} s; the maker's code and all models that were made are the same"
 
     def _make(self) -> None:
-        check_new("sweep", self.folder, (TILES, AXES, COMMAND), "a study folder")
+        check_new("sweep", self.folder, (TILES, AXES, COMMAND, MANIFEST), "a study folder")  # with a manifest, another process was faster
         make_study_folder(self.folder, TILES)
         self._mend_axes()
         if not put_file(self.folder / MANIFEST, json.dumps(self.manifest, indent=1, ensure_ascii=False).encode(), new=True):
