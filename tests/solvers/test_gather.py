@@ -52,10 +52,32 @@ def test_the_direction_of_a_body_on_a_belt_is_that_of_its_slip():
     assert swept.direction.values.tolist() == [1, -1] and (abs(swept.mean_velocity.values) < 1e-9).all()
 
 
+def _extremes_of_run(run, since):
+    """The largest and the smallest velocity of each body from an instant on, at many instants of each piece."""
+    t, whole = run.pieces.t, run.with_axes
+    late = np.flatnonzero(t[:-1] >= since * (1 - 1e-12))
+    at = t[late, None] + np.linspace(0.0, 1.0, 2001) * np.diff(t)[late, None]
+    v = whole._states_at(at.ravel(), np.repeat(late, 2001))[1]
+    return v.max(axis=0), v.min(axis=0)
+
+
 def test_extremes_of_a_motion_that_has_not_settled_are_those_of_the_window():
-    """The judge keeps the ends of its steps beside 5000 samples of the last drive period, in which the push of the start is gone."""
-    many = ss.solve(ss.Chain.example(), periods=3, settle=0, method="dop853", keep="summary", start={"v": {"module 1": 0.2}})
-    assert many.steadiness != 0 and many.velocity_max[0] == 0.2
+    """Also where they lie within a step, at the instant with which the window begins, and at the last."""
+    begun = {"v": {"module 1": 0.2}}
+    for settle in (0, 2):
+        how = dict(periods=5, settle=settle, start=begun)
+        high, low = _extremes_of_run(ss.solve(ss.Chain.example(), keep="trajectory", **how), settle * ss.Chain.example().period)
+        for method in ("auto", "dop853"):
+            many = ss.solve(ss.Chain.example(), keep="summary", method=method, **how)
+            assert many.steadiness != 0
+            np.testing.assert_allclose([many.velocity_max, many.velocity_min], [high, low], atol=1e-6 * high.max())
+        assert settle or many.velocity_max[0] == 0.2
+    rig = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="lugre")
+    for method in ("auto", "rodas5p"):
+        how = dict(periods=5, settle=1, start={"v": 0.05}, method=method)
+        (high,), (low,) = _extremes_of_run(ss.solve(rig, keep="trajectory", **how), rig.period)
+        many = ss.solve(rig, keep="summary", **how)
+        assert [float(many.velocity_max), float(many.velocity_min)] == pytest.approx([high, low], abs=1e-6 * high)
 
 
 def test_a_column_is_computed_once_and_no_earlier_than_it_is_read():

@@ -22,7 +22,7 @@ from stickslip.engine.unforeseen import POINTS
 _APART = {
     "parts": (
         ("begin_parts", "begin_signals", "hold", "reduce_step", "widen", "widen_all", "note_parts"),
-        ("columns", "noting_segments", "reducing"),
+        ("columns", "turning", "noting_segments", "reducing"),
         "what machines of several parts share",
     ),
     "changes": (("rates_now", "settle_changes", "note_late", "shift_changes"), ("columns", "flags", "changes"), "what all tangents share"),
@@ -93,7 +93,7 @@ _TAKES = {"follow": "int64(f1, int64, i1, f2, i1, f2)"}  # what takes otherwise 
 @lru_cache
 def load(name: str = "advance") -> Any:
     """The compiled driver, `advance`; for more cases than lanes `advance_pooled`; for a held one `advance_to`, or leg by leg `follow`."""
-    texts = ("columns", "flags", "noting_segments", "watching", "driving_lanes", *_BEHIND[name])
+    texts = ("columns", "flags", "turning", "noting_segments", "watching", "driving_lanes", *_BEHIND[name])
     constants = [cache.SHORT_LOOPS, *_shared_constants()]
     text = source("the driver of all kernels", {name: _TAKES.get(name, "int64(f1, int64, int64, i1)")}, constants, texts, written)
     return getattr(cache.load(text, f"driver_{name}", "what all kernels share"), name)

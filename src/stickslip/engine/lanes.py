@@ -91,7 +91,7 @@ class Parts:
     """Results of a kernel for each body, contact and stop: a row for each case."""
 
     moved: Any  # (cases, coordinates): displacement over the window [m]
-    wide_max: Any  # (cases, bodies): extremes over the window, at the ends of steps
+    wide_max: Any  # (cases, bodies): extremes over the window
     wide_min: Any
     reduced: dict[str, Any]  # by signal (cases, 3) over the last motion period: integral over time, or a count; largest; smallest
 
@@ -116,7 +116,7 @@ class Results:
     rejected: Any
     memory: Any  # (cases, modes): memories of the law at the end
     limit: Any  # displacement in a drive period that the motion approaches [m]; NaN of a case that ended before its time
-    wide_max: Any  # extremes of v over the window, at the ends of steps
+    wide_max: Any  # extremes of v over the window
     wide_min: Any
     ended: Any  # how far into its period a case ended before its time [s], NaN of others; None where none did
     parts: Parts | None = None  # of a machine that lists its bodies
@@ -402,7 +402,7 @@ def arrays_of(k: Kernel, params: Any, start: Any, job: Job, room: int, goal: int
     shared["OUT"].fill(np.nan)
     shared["NOTED"].fill(np.nan)
     shared["PIECES"] = np.empty((room, bytes_of_piece(k) // 8))
-    return _aligned(before + (k.fields + 2 * len(k.bodies)) * k.lanes), shared
+    return _aligned(before + (k.fields + 2 * (len(k.bodies) + 1)) * k.lanes), shared
 
 
 def _taken(shared: Shared) -> Any:

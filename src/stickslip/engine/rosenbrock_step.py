@@ -223,7 +223,8 @@ class _StepWriter(EventWriter):
     def _dense(self) -> None:
         """The continuous extensions that every step needs; the others are written while a lane is looked at, or for an event."""
         states = range(self.n)
-        always = [i for i in states if i == 0 or self.record or not self._skips or i in self.slips.values()]
+        moving = self.eq.coordinates if self.eq.signals else 1  # velocities, whose extremes count in the whole window
+        always = [i for i in states if i < moving or self.record or not self._skips or i in self.slips.values()]
         for i in always:
             self._extend(i)
         if self.eq.signals and len(always) < self.n:

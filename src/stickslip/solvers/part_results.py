@@ -32,7 +32,7 @@ class RawParts:
     displacement: Array  # (cases, bodies), over the window of the mean [m]
     v_max: Array  # (cases, bodies)
     v_min: Array
-    wide_max: Array  # (cases, bodies), over the window, at the ends of steps
+    wide_max: Array  # (cases, bodies), over the window
     wide_min: Array
     slip_max: Array  # (cases, contacts)
     slip_min: Array

@@ -230,6 +230,11 @@ def _closed(flow: SwitchingFlow, y: Array, mode: Any, T: float, most: int, how: 
             raise SolveError(
                 f"Newton's method found no periodic orbit in {most} iterations (residual {size:.1e}); try settle=, or another guess"
             )
+        if not still and not _converges(flow, y, mode, T, done, how):
+            raise SolveError(
+                "Newton's method found no periodic orbit: its steps do not converge, as beside a fold behind which there is none "
+                f"(residual {size:.1e}); try another value of the parameter, or another guess"
+            )
         if free and extent < _APART * size:
             raise SolveError(_nothing_moves(y, mode, T, guessed))
     notes = ("it is an equilibrium: nothing moves, and it repeats after any time",) if still else ()
@@ -328,19 +333,35 @@ def _newton_step(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passa
     """
     if not np.isfinite(done.monodromy).all():
         raise SolveError(touches(done))
-    n, A, miss, reach, shifts = len(y), done.monodromy - np.eye(len(y)), _miss(flow, y, done), _extent(flow, done), flow.drifts.free
+    n, reach = len(y), _extent(flow, done)
+    step = np.linalg.lstsq(*_linear(flow, y, mode, T, done), rcond=1e-12)[0]
+    if flow.period is not None:
+        reach = max(reach, _REACH * float(1 + abs(y).max()))
+        return step * min(1.0, reach / max(float(abs(step).max()), 1e-300)), 0.0, done.mode
+    step *= min(1.0, reach / max(float(abs(step[:n]).max()), 1e-300), 0.5 * T / max(abs(float(step[n])), 1e-300))
+    return step[:n], float(step[n]), mode
+
+
+def _linear(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passage) -> tuple[Array, Array]:
+    """The equations of Newton's step: their matrix, and what they are to be."""
+    A, miss, shifts = done.monodromy - np.eye(len(y)), _miss(flow, y, done), flow.drifts.free
     A[shifts] = 0.0
     if flow.period is not None:
-        step, reach = np.linalg.lstsq(A, -miss, rcond=1e-12)[0], max(reach, _REACH * float(1 + abs(y).max()))
-        return step * min(1.0, reach / max(float(abs(step).max()), 1e-300)), 0.0, done.mode
+        return A, -miss
     plain = composed(flow)
     along = value_and_slopes(plain.fields[mode], 0.0, y)[0]
     ahead = value_and_slopes(plain.fields[done.mode], T, done.state)[0]
     along[shifts], ahead[shifts] = 0.0, 0.0
-    whole = np.block([[A, ahead[:, None]], [along[None, :], np.zeros((1, 1))]])
-    step = np.linalg.lstsq(whole, np.append(-miss, 0.0), rcond=1e-12)[0]
-    step *= min(1.0, reach / max(float(abs(step[:n]).max()), 1e-300), 0.5 * T / max(abs(float(step[n])), 1e-300))
-    return step[:n], float(step[n]), mode
+    return np.block([[A, ahead[:, None]], [along[None, :], np.zeros((1, 1))]]), np.append(-miss, 0.0)
+
+
+def _converges(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passage, how: dict[str, Any]) -> bool:
+    """Whether Newton's steps converge to an orbit beside a state that nearly comes back (see `stickslip.dynamics.periodic.newton`)."""
+    step, longer, after = _newton_step(flow, y, mode, T, done)
+    tried = passage(flow, y + step, after, T + longer, **how)
+    here, there = _linear(flow, y, mode, T, done)[0], _linear(flow, y + step, after, T + longer, tried)[0]
+    bent = np.linalg.lstsq(here, there - here, rcond=1e-12)[0]
+    return bool(np.isfinite(bent).all() and np.linalg.norm(bent, 2) <= 0.5)
 
 
 def orbit_at(flow: SwitchingFlow, strobe_state: Array, periods: int, residual: float) -> FlowOrbit:

@@ -14,7 +14,7 @@ from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, SolveError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible
-from stickslip.dynamics.derivatives.tangents import jacobian_of
+from stickslip.dynamics.derivatives.tangents import jacobian_of, not_followed
 from stickslip.dynamics.periodic.closed_orbits import ClosedMotion, multipliers_of, resting
 from stickslip.dynamics.periodic.cycle_sections import TURN, Section, section_of, states_of_returns
 from stickslip.dynamics.periodic.newton import newton_within
@@ -204,8 +204,12 @@ def limit_cycle(
     def after(u: Array, memory: Array) -> Array:
         return section.ends(model, at, u[None, :], memory, rtol, unit)[0, at.smooth :]
 
+    def slopes(memory: Array) -> Any:
+        return lambda u: section.slopes(model, at, u, memory, rtol, unit)
+
+    exact = slopes if machine_of(model).has_inner_states and not not_followed(model) else None  # differences smooth what turns sharply
     begun = section.unknowns(at, state, duration, unit)
-    root = newton_within(problem, after, begun, state[at.smooth :], tolerance=tolerance, reach=0.5)
+    root = newton_within(problem, after, begun, state[at.smooth :], exact, tolerance=tolerance, reach=0.5)
     if not root.good:
         raise SolveError(
             f"Newton's method found no cycle of {period} turns: {root.why} (residual {root.residual:.1e} after {root.iterations} "

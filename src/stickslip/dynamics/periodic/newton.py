@@ -18,6 +18,8 @@ Slopes = Callable[[Array], tuple[Array, Array]]  # unknowns -> residuals there, 
 
 STEP = 1e-6  # half the distance of the points of a central difference
 _PATTERNS = 6  # sets of whole numbers that are tried
+_NEXT_TO_NOTHING, _PROBED = 1e-8, 1e-3  # lengths of steps: what rounding leaves, and over which slopes are compared
+_NO_ROOT = "its steps do not converge, as beside a fold behind which there is no such motion"
 SHARES = np.array([0.5, 0.25, 0.1, 0.03, 0.01, 0.003])  # of a step that went too far, tried together
 
 
@@ -63,7 +65,9 @@ def newton(
     most : int
         Largest number of iterations.
     floor : float
-        A residual below it that does not shrink any more has met rounding, and counts as found.
+        A residual below it that does not shrink any more has met rounding, if Newton's steps converge there: by Kantorovich's theorem there
+        is a root where the slopes change by half of themselves, or less, along a step. Beside a fold, where two roots have met and
+        there is none any more, they change by more, however small the residual is.
     reach : float
         Longest step.
     slopes : callable, optional
@@ -87,6 +91,12 @@ def newton(
     def ended(good: bool, why: str) -> Root:
         return Root(u, size, k, J, good, why, needed=needed)
 
+    def stopped(why: str) -> Root:
+        if size > floor:
+            return ended(False, why)
+        good = _converges(at, u, F, J)
+        return ended(good, "found, to rounding" if good else _NO_ROOT)
+
     for k in range(most + 1):
         needed += size > floor
         if not np.isfinite(size) or not np.isfinite(J).all():
@@ -105,13 +115,29 @@ def newton(
             continue
         share = _best_share(residuals, u, step, size)
         if share == 0.0:
-            good = size <= floor
-            return ended(good, "found, to rounding" if good else "no part of Newton's step makes the residual smaller")
+            return stopped("no part of Newton's step makes the residual smaller")
         u = u + share * step
         F, J = at(u)
         size = _size(F)
-    good = size <= floor
-    return ended(good, "found, to rounding" if good else f"{most} iterations were not enough")
+    return stopped(f"{most} iterations were not enough")
+
+
+def _converges(at: Slopes, u: Array, F: Array, J: Array) -> bool:
+    """Whether Newton's steps from a point converge to a root beside it: h = |J^-1 (J(u + s) - J(u))| <= 1/2 for the step s.
+
+    Where a step is long its slopes are taken on a part of it, and where they are not known only a step that is next to nothing counts.
+
+    References
+    ----------
+    P. Deuflhard, Newton Methods for Nonlinear Problems, Springer 2004, theorem 2.1 (Newton-Kantorovich, affine covariant).
+    """
+    step = np.linalg.lstsq(J, -F, rcond=1e-13)[0]
+    length = float(np.linalg.norm(step))
+    if length <= _NEXT_TO_NOTHING:
+        return True
+    part = min(1.0, _PROBED / length)
+    bent = np.linalg.lstsq(J, at(u + part * step)[1] - J, rcond=1e-13)[0]
+    return bool(np.isfinite(bent).all() and np.linalg.norm(bent, 2) <= 0.5 * part)
 
 
 def newton_within(

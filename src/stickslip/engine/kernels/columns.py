@@ -2,13 +2,14 @@
 # mypy: ignore-errors
 
 # columns of N (lane): case (-1 idle), periods done, recording, last period to do, period number, fresh point, closing, status, steps
-# accepted and rejected until the last look at the progress, and of each contact how many segments there are
-CASE, DONE, RECORDING, TARGET, NUMBER, FRESH, CLOSING, STATUS, ACCEPTED, REJECTED, SEGMENTS = range(11)
+# accepted and rejected until the last look at the progress, whether the present period is one of the window once more, and of each
+# contact how many segments there are
+CASE, DONE, RECORDING, TARGET, NUMBER, FRESH, CLOSING, STATUS, ACCEPTED, REJECTED, AGAIN, SEGMENTS = range(12)
 # columns of K (lane): the last two observed points, window, work of friction while recording and how long,
-# displacement approached, extremes at the ends of the steps in the window; part of the last step after which slip begins or ends;
+# displacement approached; part of the last step after which slip begins or ends;
 # periods done at the last look at the progress, with the part of the present one; acceleration before a break of the drive at the last
 # point (NaN: it has no break)
-TQ, VQ, AQ, RQ, BQ, TP, VP, BP, VMAX, VMIN, DISPLACEMENT, WINDOW, WORK, LASTED, LIMIT, WIDE_MAX, WIDE_MIN, PART, SINCE, BEFORE = range(20)
+TQ, VQ, AQ, RQ, BQ, TP, VP, BP, VMAX, VMIN, DISPLACEMENT, WINDOW, WORK, LASTED, LIMIT, PART, SINCE, BEFORE = range(18)
 # JOB: the next case, the end of cases, pieces written; then what to do with every case, and whether each period must be made
 NEXT, END, WRITTEN, PERIODS, SETTLE, AUTO, WHOLE = range(7)
 # LIMITS: tolerance, slip ratio from which on a contact slips, steps of a case

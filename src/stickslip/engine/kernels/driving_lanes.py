@@ -11,7 +11,16 @@
 # this happens in this order: the period ends, v jumps, the strobe state is taken, flags and modes are set anew.
 
 STEPS_TO_LOOK = 10_000.0  # after which a step ends with the status BUDGET, and the progress of the case is looked at
+AGAIN_WITHIN, AGAIN_TO = 4, 1e-8  # periods after which one is looked for that was the same, and how nearly, in scales of the states
 LEAST_PROGRESS = 1e-5  # of a period, in so many steps: at this pace a period would take 1e9 steps
+
+
+@njit(void(int64, f1, i1), **OPTIONS)
+def widen_by_present(lane, S, D):
+    """Of steps that find their extremes, which do not know with what they begin: the present velocity counts too."""
+    if D[F_HIGH] >= 0 and S[D[F_LOOKED] + lane] > 0.1:
+        v = S[D[F_Y] + lane]
+        S[D[F_HIGH] + lane], S[D[F_LOW] + lane] = max(S[D[F_HIGH] + lane], v), min(S[D[F_LOW] + lane], v)
 
 
 @njit(void(int64, int64, f1, int64, i1), **OPTIONS)
@@ -48,7 +57,7 @@ def take(lane, case, S, W, D):
     for j in range(K.shape[1]):
         K[lane, j] = 0.0
     K[lane, PART], K[lane, BEFORE] = -1.0, math.nan
-    K[lane, LIMIT], K[lane, WIDE_MAX], K[lane, WIDE_MIN] = math.nan, -math.inf, math.inf
+    K[lane, LIMIT] = math.nan
     N[lane, CASE] = case
 
 
@@ -63,6 +72,7 @@ def pass_instant(lane, S, W, D):
     if N[lane, RECORDING] == 1 and N[lane, FRESH] == 1:
         observe(lane, 0.0, K[lane, RQ], S[D[F_C] + D[PERIOD] * D[LANES] + lane], W, D)
     apply_jump(lane, S, PARAM[N[lane, CASE]], D)
+    widen_by_present(lane, S, D)
     if N[lane, RECORDING] == 1:
         v = S[D[F_Y] + lane]
         N[lane, FRESH] = 2
@@ -100,10 +110,9 @@ def finish(lane, S, W, D):
     for k in range(D[KEPT_MODES]):
         OUT[case, 6 + D[STATES] + k] = RING[lane, N[lane, DONE] % KEPT, 1 + D[STATES] + k] if good else S[D[F_MODE] + k * L + lane]
     more = 6 + D[STATES] + D[KEPT_MODES]
-    if D[F_HIGH] >= 0:
-        K[lane, WIDE_MAX], K[lane, WIDE_MIN] = S[D[F_HIGH] + lane], S[D[F_LOW] + lane]
+    high, low = D[F_HIGH] if D[F_HIGH] >= 0 else wide(0, D), D[F_LOW] if D[F_HIGH] >= 0 else wide(0, D) + D[LANES]
     OUT[case, more] = K[lane, LIMIT] if good else S[D[F_T] + lane]
-    OUT[case, more + 1], OUT[case, more + 2] = max(K[lane, WIDE_MAX], K[lane, VMAX]), min(K[lane, WIDE_MIN], K[lane, VMIN])
+    OUT[case, more + 1], OUT[case, more + 2] = max(S[high + lane], K[lane, VMAX]), min(S[low + lane], K[lane, VMIN])
     COUNT[case, 0] = N[lane, STATUS]
     COUNT[case, 1] = N[lane, NUMBER]
     COUNT[case, 2] = N[lane, DONE]
@@ -121,6 +130,7 @@ def want_extremes(lane, S, D):
     """From here on steps that find their extremes look for them."""
     if D[F_TOP] >= 0 and D[F_LOOKED] >= 0:
         S[D[F_LOOKED] + lane] = max(S[D[F_LOOKED] + lane], 0.25)
+        widen_by_present(lane, S, D)
 
 
 @njit(float64(int64, int64, f1, i1), **OPTIONS)
@@ -242,6 +252,20 @@ def skip(lane, p, k, S, W, D):
     N[lane, DONE] = end
 
 
+@njit(int64(int64, int64, f1, int64, i1), **OPTIONS)
+def is_again(lane, k, S, W, D):
+    """Whether the period that begins is one of the window once more, as it begins with the same states: its extremes are known."""
+    RING = RING_of(W)
+    new = RING[lane, k % KEPT]
+    for p in range(1, min(k - JOB_of(W)[SETTLE], AGAIN_WITHIN) + 1):
+        old, i = RING[lane, (k - p) % KEPT], 0
+        while i < D[STATES] - D[PASSIVE] and abs(new[1 + i] - old[1 + i]) <= AGAIN_TO * scale_of(lane, i, S, D):
+            i += 1
+        if i == D[STATES] - D[PASSIVE]:
+            return 1
+    return 0
+
+
 @njit(int64(int64, f1, int64, i1), **OPTIONS)
 def end_period(lane, S, W, D):
     """Book-keeping at the end of a drive period. Returns 1 when only the last observation is missing."""
@@ -258,6 +282,8 @@ def end_period(lane, S, W, D):
     for m in range(D[KEPT_MODES]):
         row[1 + D[STATES] + m] = S[D[F_MODE] + m * L + lane]
     keep_beside(lane, row, S, D)
+    if D[F_HIGH] < 0:
+        N[lane, AGAIN] = is_again(lane, k, S, W, D)
     if k == settle:
         want_extremes(lane, S, D)
     if k >= settle and k < settle + LONGEST:
@@ -288,6 +314,8 @@ def next_case(lane, S, W, D):
         want_extremes(lane, S, D)
     if D[SIGNALS] > 0:
         call_begin_parts(D[AT_BEGIN_PARTS], lane, S, W, D)
+    else:
+        S[wide(0, D) + lane], S[wide(0, D) + D[LANES] + lane] = -math.inf, math.inf
     if periods == 1 and not auto:
         begin_record(lane, S, W, D)
     return True
@@ -390,18 +418,15 @@ def arrive(lane, S, W, D):
 @njit(void(int64, f1, int64, i1), **OPTIONS)
 def widen(lane, S, W, D):
     """Widen the extremes over the window by the last step, if it did not do so itself."""
-    N, K, PARAM, JOB = N_of(W), K_of(W), PARAM_of(W), JOB_of(W)
-    settle = JOB[SETTLE]
-    if N[lane, DONE] < settle or D[F_HIGH] >= 0:
+    N, PARAM, JOB = N_of(W), PARAM_of(W), JOB_of(W)
+    if N[lane, CASE] < 0 or N[lane, DONE] < JOB[SETTLE] or N[lane, AGAIN] == 1 or D[F_HIGH] >= 0:
         return
-    v = S[D[F_Y] + lane]
-    K[lane, WIDE_MAX], K[lane, WIDE_MIN] = max(K[lane, WIDE_MAX], v), min(K[lane, WIDE_MIN], v)
-    if D[SIGNALS] > 0 and D[ARMS] == 1:
-        call_widen(D[AT_WIDEN], lane, S, PARAM[max(N[lane, CASE], 0)], W, D)
-        call_hold(D[AT_HOLD], lane, S, W, D)
-    elif D[F_TOP] >= 0:  # the extremum within the step
-        v = S[D[F_TOP] + lane]
-        K[lane, WIDE_MAX], K[lane, WIDE_MIN] = max(K[lane, WIDE_MAX], v), min(K[lane, WIDE_MIN], v)
+    if D[SIGNALS] > 0:
+        if D[ARMS] == 1:
+            call_widen(D[AT_WIDEN], lane, S, PARAM[N[lane, CASE]], W, D)
+            call_hold(D[AT_HOLD], lane, S, W, D)
+        return
+    widen_on_step(wide(0, D) + lane, D[F_K] + lane, part_made(lane, S, D), S, D)
 
 
 @njit(float64(int64, f1, int64, i1), **OPTIONS)

@@ -9,12 +9,6 @@
 ELSEWHERE, STATES_THERE, INSTANTS, EACH_STATE = 8, 9, 10, 11  # rows of ROOM
 
 
-@njit(int64(int64, i1), **OPTIONS)
-def wide(b, D):
-    """Where a body's extremes in the window begin, behind the fields of the step: the largest velocity of each lane, the smallest."""
-    return (D[FIELDS] + 2 * b) * D[LANES]
-
-
 @njit(float64(int64, int64, float64, f1, i1), **OPTIONS)
 def state_at(lane, i, theta, S, D):
     """A state at a part of the last step."""
@@ -162,9 +156,7 @@ def reduce_step(lane, S, row, W, D):
     """Add what the last step of a lane did to all that is noted."""
     FOUND, ROOM = FOUND_of(W), ROOM_of(W)
     h = S[D[F_HH] + lane]
-    part = (S[D[F_T] + lane] - S[D[F_T0] + lane]) / h
-    if S[D[F_STAT] + lane] == 1.0:
-        part = 1.0
+    part = part_made(lane, S, D)
     few = D[DEGREE] < 8
     inside = FEW_NODES.shape[0] if few else MANY_NODES.shape[0]
     count = inside + 2
@@ -227,16 +219,27 @@ def hold(lane, S, W, D):
 
 @njit(void(f1, int64, i1), **OPTIONS)
 def widen_all(S, W, D):
-    """Extremes of velocities at the end of a step in the window, of bodies that move with their coordinates; all lanes at once."""
+    """Extremes of velocities in a step in the window, of bodies that move with their coordinates; all lanes at once."""
     N, JOB = N_of(W), JOB_of(W)
-    settle = JOB[SETTLE]
-    L = D[LANES]
+    settle, L, whole, wanted = JOB[SETTLE], D[LANES], D[DEGREE] + 1, False
+    for lane in range(L):
+        wanted = wanted or (N[lane, CASE] >= 0 and N[lane, DONE] >= settle and N[lane, AGAIN] == 0)
+    if not wanted:
+        return
+    reach, bend = wide(D[BODIES], D), wide(D[BODIES], D) + L
     for b in range(D[BODIES]):
-        at, y = wide(b, D), D[F_Y] + D[D[BODY_MOVES] + b] * L
+        high, at = wide(b, D), D[F_K] + D[D[BODY_MOVES] + b] * whole * L
         for lane in range(L):
-            inside, v = N[lane, DONE] >= settle, S[y + lane]
-            S[at + lane] = v if inside and v > S[at + lane] else S[at + lane]
-            S[at + L + lane] = v if inside and v < S[at + L + lane] else S[at + L + lane]
+            S[reach + lane] = S[bend + lane] = 0.0
+        for m in range(2, whole):
+            for lane in range(L):
+                c = abs(S[at + m * L + lane])
+                S[reach + lane] += c
+                S[bend + lane] += m * c
+        for lane in range(L):
+            looked = N[lane, CASE] >= 0 and N[lane, DONE] >= settle and N[lane, AGAIN] == 0
+            if looked and may_widen(high + lane, at + lane, S[reach + lane], S, D):
+                widen_within(high + lane, at + lane, part_made(lane, S, D), S[bend + lane], S, D)
 
 
 @njit(void(int64, f1, int64, i1), **OPTIONS)
@@ -261,11 +264,12 @@ def note_parts(lane, case, S, W, D):
 
 @njit(void(int64, f1, f1, int64, i1), **OPTIONS)
 def widen(lane, S, row, W, D):
-    """The same of one lane, where a body moves otherwise than its coordinate."""
+    """The same of one lane, where a body moves otherwise than its coordinate: at both ends of the step, its middle, where it turns."""
     ROOM = ROOM_of(W)
-    part = (S[D[F_T] + lane] - S[D[F_T0] + lane]) / S[D[F_HH] + lane]
-    look_at(lane, part, ELSEWHERE, S, row, W, D)
+    at, part = ROOM[INSTANTS], part_made(lane, S, D)
+    at[0], at[1], at[2] = 0.0, 0.5 * part, part
+    look_at_all(lane, at, 3, S, row, W, D)
     for b in range(D[BODIES]):
-        at, v = wide(b, D), ROOM[ELSEWHERE, D[RATIOS] + D[D[BODY_SIGNAL] + b]]
-        S[at + lane] = max(S[at + lane], v)
-        S[at + D[LANES] + lane] = min(S[at + D[LANES] + lane], v)
+        high, low, k = wide(b, D) + lane, wide(b, D) + D[LANES] + lane, D[RATIOS] + D[D[BODY_SIGNAL] + b]
+        S[high] = largest(lane, k, 1.0, S[high], at, 3, S, row, W, D)
+        S[low] = -largest(lane, k, -1.0, -S[low], at, 3, S, row, W, D)

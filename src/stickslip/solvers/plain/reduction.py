@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -15,9 +14,11 @@ from stickslip.results.steadiness import repetition_of, way_of_machine
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import strobes
 from stickslip.solvers.part_results import RawParts
+from stickslip.solvers.plain.step_extremes import over_steps, points
 from stickslip.solvers.settings import Request
 
-_AT_ONCE = 1 << 20  # velocities
+_AT_ONCE = 1 << 17  # velocities, each at several points
+_SAME = 1e-12  # of a window: how well its beginning is known
 
 
 def reduced(todo: Request, model: Model, pieces: DensePieces, case: int) -> dict[str, Any]:
@@ -45,12 +46,12 @@ def _results_of_parts(todo: Request, run: Trajectory, last: tuple[int, float], d
     v, slip = at["v"], at["slip"]
     segments = [strobes.segments_of(np.full(len(t), step), codes) for codes in _codes(todo, run, at).T]
     number, time, code = (np.array([each[k] for each in segments])[None] for k in range(3))
-    wide = np.concatenate([[v.max(axis=0), v.min(axis=0)], *_at_ends(run, window)])
+    low, high = _over_window(run, window, v.min(axis=0), v.max(axis=0))
     hits, pressed = _hits(run, end - span), _pressed(run, at)
     stops = [name for name, _ in machine.mechanics.named_stops]
     return RawParts(
-        displacement=displacement[None], v_max=v.max(axis=0)[None], v_min=v.min(axis=0)[None], wide_max=wide.max(axis=0)[None],
-        wide_min=wide.min(axis=0)[None], slip_max=slip.max(axis=0)[None], slip_min=slip.min(axis=0)[None],
+        displacement=displacement[None], v_max=v.max(axis=0)[None], v_min=v.min(axis=0)[None], wide_max=high[None],
+        wide_min=low[None], slip_max=slip.max(axis=0)[None], slip_min=slip.min(axis=0)[None],
         slipped=slip.sum(axis=0)[None] * step, slipped_over=np.array([periods]),
         friction_power=(at["friction_force"] * slip).sum(axis=0)[None] * step / span,
         seg_count=number, seg_time=time, seg_code=code, margin_force=strobes.margin_forces(machine)[None],
@@ -60,13 +61,16 @@ def _results_of_parts(todo: Request, run: Trajectory, last: tuple[int, float], d
     )  # fmt: skip
 
 
-def _at_ends(run: Trajectory, window: float) -> Iterator[Array]:
-    """Extremes of the bodies' velocities where the pieces begin that lie in the window, some of the pieces each time (2, bodies)."""
+def _over_window(run: Trajectory, window: float, low: Array, high: Array) -> tuple[Array, Array]:
+    """The least and the largest velocity of each body in the window, to its last instant, or what is known if that is more."""
     t = run.pieces.t
-    index = np.flatnonzero(t[:-1] >= t[-1] - window * (1 + 1e-12))
+    begin = t[-1] - window
+    index = np.flatnonzero(t[1:] > t[-1] - window * (1.0 - _SAME))
     for some in np.array_split(index, 1 + len(index) * len(run.pieces.layout.bodies) // _AT_ONCE):
-        v = run._states_at(t[some], some)[1]
-        yield np.array([v.max(axis=0), v.min(axis=0)])
+        at = points(np.maximum(t[some], begin)[:, None], t[some + 1][:, None])
+        v = run._states_at(at.ravel(), np.repeat(some, at.shape[1]))[1]
+        low, high = over_steps(v.reshape(*at.shape, -1).transpose(0, 2, 1), low, high)
+    return low, high
 
 
 def _codes(todo: Request, run: Trajectory, at: dict[str, Array]) -> Array:

@@ -15,7 +15,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Numeric
 
 _DEGREE = 8  # the dense output of DOP853 has degree 7
 _NODES = -np.cos(np.pi * np.arange(_DEGREE + 1) / _DEGREE)
@@ -24,12 +24,12 @@ _CONVERGED = 1e-9  # the last two coefficients over the largest
 _HALVINGS = 14
 
 
-def points(begin: float, end: float) -> Array:
-    """Where a function is read between two instants."""
+def points(begin: Numeric, end: Numeric) -> Array:
+    """Where a function is read between two instants; of columns of instants (steps, 1) a row for each step."""
     return _at(_NODES, begin, end)
 
 
-def _at(x: Array, begin: float, end: float) -> Array:
+def _at(x: Array, begin: Numeric, end: Numeric) -> Array:
     """Instants of a step from numbers in [-1, 1]; its ends are met to the bit."""
     half = 0.5 * (end - begin)
     return np.where(x < 0, np.maximum(begin + half * (1.0 + x), begin), np.minimum(end - half * (1.0 - x), end))
@@ -51,6 +51,25 @@ def lowest_and_highest(values: Array, low: Array, high: Array) -> tuple[Array, A
     for i in np.flatnonzero((series[:, 0] - reach < low) | (series[:, 0] + reach > high)):
         between = chebyshev.chebval(_stationary(series[i]), series[i])
         low[i], high[i] = min(low[i], between.min(initial=np.inf)), max(high[i], between.max(initial=-np.inf))
+    return low, high
+
+
+def over_steps(values: Array, low: Array, high: Array) -> tuple[Array, Array]:
+    """The same of many steps at once: values (steps, functions, points).
+
+    Examples
+    --------
+    >>> begin, start = np.array([[0.0], [0.5]]), np.zeros(1)
+    >>> t = points(begin, begin + 0.5)
+    >>> low, high = over_steps((t * (0.9 - t))[:, None, :], start, start)
+    >>> low.round(12).tolist(), high.round(12).tolist()
+    ([-0.1], [0.2025])
+    """
+    low, high = np.minimum(low, values.min(axis=(0, 2))), np.maximum(high, values.max(axis=(0, 2)))
+    series = values @ _SERIES.T
+    reach = abs(series[..., 1:]).sum(axis=-1)
+    for k in np.flatnonzero(((series[..., 0] - reach < low) | (series[..., 0] + reach > high)).any(axis=1)):
+        low, high = lowest_and_highest(values[k], low, high)
     return low, high
 
 
