@@ -11,11 +11,12 @@ L. N. Trefethen, Approximation Theory and Approximation Practice, SIAM 2013, cha
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from stickslip.basics.contracts import Array, Numeric
+from stickslip.basics.contracts import Array
 
 _DEGREE = 8  # the dense output of DOP853 has degree 7
 _NODES = -np.cos(np.pi * np.arange(_DEGREE + 1) / _DEGREE)
@@ -24,15 +25,16 @@ _CONVERGED = 1e-9  # the last two coefficients over the largest
 _HALVINGS = 14
 
 
-def points(begin: Numeric, end: Numeric) -> Array:
+def points(begin: Any, end: Any) -> Array:
     """Where a function is read between two instants; of columns of instants (steps, 1) a row for each step."""
     return _at(_NODES, begin, end)
 
 
-def _at(x: Array, begin: Numeric, end: Numeric) -> Array:
+def _at(x: Array, begin: Any, end: Any) -> Array:
     """Instants of a step from numbers in [-1, 1]; its ends are met to the bit."""
     half = 0.5 * (end - begin)
-    return np.where(x < 0, np.maximum(begin + half * (1.0 + x), begin), np.minimum(end - half * (1.0 - x), end))
+    at: Array = np.where(x < 0, np.maximum(begin + half * (1.0 + x), begin), np.minimum(end - half * (1.0 - x), end))
+    return at
 
 
 def lowest_and_highest(values: Array, low: Array, high: Array) -> tuple[Array, Array]:
