@@ -29,13 +29,17 @@ class Order:
     velocities : slice
         Of the coordinates.
     inner : slice
-        Inner states, contact by contact.
+        Inner states, contact by contact, but for those that follow from the coordinates.
     places : slice
         Positions, or what they are more than that of the first coordinate.
     kept : tuple of int
         Of which coordinates: those whose position no force depends on have none.
     cyclic : bool
         Whether no force depends on a common shift of all positions.
+    own : tuple of int
+        The numbers of the inner states in `inner` among all of them.
+    all_inner : int
+        How many there are.
     """
 
     names: tuple[str, ...]
@@ -44,6 +48,8 @@ class Order:
     places: slice
     kept: tuple[int, ...]
     cyclic: bool
+    own: tuple[int, ...] = ()
+    all_inner: int = 0
 
     @property
     def states(self) -> int:
@@ -51,17 +57,20 @@ class Order:
         return len(self.names)
 
     def split(self, y: Sequence[Any] | Array, zero: Any) -> tuple[tuple[Any, ...], tuple[Any, ...], tuple[Any, ...]]:
-        """Positions and velocities of the coordinates, and inner states; `zero` is a position that is not a state."""
+        """Positions and velocities of the coordinates, and all inner states; `zero` is one that is no number of the state."""
         q = [zero] * (self.velocities.stop - self.velocities.start)
         for j, position in zip(self.kept, y[self.places], strict=True):
             q[j] = position
-        return tuple(q), tuple(y[self.velocities]), tuple(y[self.inner])
+        z = [zero] * self.all_inner
+        for k, state in zip(self.own, y[self.inner], strict=True):
+            z[k] = state
+        return tuple(q), tuple(y[self.velocities]), tuple(z)
 
     def joined(self, q: Sequence[Any], u: Sequence[Any], z: Sequence[Any]) -> list[Any]:
         """The numbers of a state from positions, velocities and inner states."""
         numbers: list[Any] = [None] * self.states
         numbers[self.places] = [q[j] - q[0] if self.cyclic else q[j] for j in self.kept]
-        numbers[self.velocities], numbers[self.inner] = list(u), list(z)
+        numbers[self.velocities], numbers[self.inner] = list(u), [z[k] for k in self.own]
         return numbers
 
 
@@ -81,7 +90,8 @@ def order_of(model: Model, machine: MachineAdapter | None = None) -> Order:
         count, placed = law_of(model).states, int(knows_position(model))
         names = (*(("x",) * placed), "v", *numbered_names("z", count))
         kept = tuple(range(placed))
-        return Order(names, slice(placed, placed + 1), slice(placed + 1, placed + 1 + count), slice(0, placed), kept, not placed)
+        inner = slice(placed + 1, placed + 1 + count)
+        return Order(names, slice(placed, placed + 1), inner, slice(0, placed), kept, not placed, tuple(range(count)), count)
     if why := refusal_of(machine):
         reason = why.partition("; type method=")[0]
         raise InputError(
@@ -89,15 +99,19 @@ def order_of(model: Model, machine: MachineAdapter | None = None) -> Order:
             [f"its strobe map is not known: the compiled methods do not solve it, as {reason}; allowed are machines that they solve; "
              "type ss.solve(machine) for its motion from a start"],
         )  # fmt: skip
-    return _of_layout(layout_of(model), needed_positions(model))
+    return _of_layout(layout_of(model), needed_positions(model), machine.mechanics.flying)
 
 
-def _of_layout(layout: StateLayout, kept: tuple[int, ...]) -> Order:
+def _of_layout(layout: StateLayout, kept: tuple[int, ...], flying: tuple[int, ...]) -> Order:
+    """The order; gaps of contacts that follow from the coordinates are left out."""
     n = 1 + max(body.velocity for body in layout.bodies)
-    inner = sum(len(part.inner) for part in layout.with_inner)
+    every = [(i, state) for i, part in enumerate(layout.with_inner) for state in part.inner]
+    own = tuple(k for k, (i, _) in enumerate(every) if i not in flying)
+    inner = len(own)
     places = {body.velocity: body.position or 0 for body in layout.bodies}
-    names = tuple(layout.names[i] for i in (*range(n + inner), *(places[j] for j in kept)))
-    return Order(names, slice(0, n), slice(n, n + inner), slice(n + inner, len(names)), kept, bool(layout.ways))
+    states = (*range(n), *(every[k][1] for k in own), *(places[j] for j in kept))
+    names = tuple(layout.names[i] for i in states)
+    return Order(names, slice(0, n), slice(n, n + inner), slice(n + inner, len(names)), kept, bool(layout.ways), own, len(every))
 
 
 def numbered_names(name: str, count: int) -> tuple[str, ...]:

@@ -64,7 +64,9 @@ def _flight_of(parts: Assembly, i: int) -> Flight:
     parts.inner += [gap, rate]
     parts.rates += [graph.select(aloft, rate, zero), graph.select(aloft, m.rising(i), zero)]
     parts.scales += [speed * m.period(m.model), speed]
-    return Flight(number, aloft, first, (begin, begin + 1))
+    height, struck = m.equations.heights(m.t, m.places, m.v)[m.equations.contacts[i]], m.struck(i)
+    lever = tuple(m.lift(moved) / m.lift(struck.across) for moved in struck.moved_across)
+    return Flight(number, aloft, first, (begin, begin + 1), tuple(map(m.lift, height)), lever)
 
 
 def _add_hit(parts: Assembly, i: int, flight: Flight, box: Box, up: Sym) -> None:

@@ -221,7 +221,7 @@ def _arranged(model: Model) -> tuple[StateLayout, tuple[int, ...]]:
 
 
 def _arrangement(eq: System) -> tuple[StateLayout, tuple[int, ...]]:
-    nodes, first = (*eq.f[: eq.positions.start], *eq.guards, *eq.sampled.values()), int(eq.cyclic)
+    nodes, first = (*eq.f[: eq.positions.start], *eq.guards, *eq.sampled.values(), *eq.heights), int(eq.cyclic)
     varied = frozenset[str]().union(*map(eq.graph.varies, nodes))
     return states_of(eq), tuple(first + k for k, i in enumerate(eq.positions) if eq.y[i].name in varied)
 

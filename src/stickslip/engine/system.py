@@ -47,6 +47,8 @@ class Flight:
     aloft: Sym  # this mode
     first: Sym  # what it begins with
     inner: tuple[int, int]  # numbers of the states that are the gap and its rate
+    point: tuple[Sym, ...] = ()  # the same two of a point of a body in the plane, as coordinates have them
+    lever: tuple[Sym, ...] = ()  # and how the coordinates change where its height alone does, by 1
 
 
 @dataclass(frozen=True)
@@ -132,6 +134,11 @@ class System:
     def dynamic(self) -> bool:
         """Whether there are laws with a rate and a force, which never rest exactly, and no others."""
         return bool(self.contacts) and all(contact.branches is None for contact in self.contacts)
+
+    @property
+    def heights(self) -> tuple[Sym, ...]:
+        """Heights of the points that may fly, by the coordinates."""
+        return tuple(contact.flight.point[0] for contact in self.contacts if contact.flight is not None and contact.flight.point)
 
     @property
     def stiff(self) -> bool:

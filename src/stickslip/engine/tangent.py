@@ -346,7 +346,13 @@ def _settled(system: System, changes: list[Sym], along: Along) -> dict[int, Sym]
                 old = now.get(first + j, changes[j])
                 now[first + j] = graph.by_side(system.modes[number], old, old, old - slips * part)
     for flight in (contact.flight for contact in exact if contact.flight is not None):  # a gap that is closed stays closed
-        now |= {first + k: graph.select(flight.aloft, changes[k], graph.constant(0.0)) for k in flight.inner}
+        own = tuple(map(along.of, flight.point)) or tuple(changes[k] for k in flight.inner)
+        now |= {first + k: graph.select(flight.aloft, of, graph.constant(0.0)) for k, of in zip(flight.inner, own, strict=True)}
+        places = system.positions
+        for k, by in enumerate(flight.lever):  # a point on the ground stays on it
+            for j, height in ((k, own[1]), (places[k], own[0])):
+                old = now.get(first + j, changes[j])
+                now[first + j] = graph.select(flight.aloft, old, old - height * by)
     return now
 
 

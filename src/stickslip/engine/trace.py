@@ -69,7 +69,7 @@ def _only_differences(eq: System) -> bool:
     """Whether the positions appear as differences only: what a common shift changes is zero, at any numbers."""
     graph, positions = eq.graph, [eq.y[i] for i in eq.positions]
     changes = []
-    for node in (*eq.f[: eq.positions.start], *eq.guards, *eq.sampled.values()):
+    for node in (*eq.f[: eq.positions.start], *eq.guards, *eq.sampled.values(), *eq.heights):
         total = graph.constant(0.0)
         for position in positions:
             total = total + graph.derivative(node, position)

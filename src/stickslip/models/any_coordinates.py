@@ -10,6 +10,7 @@ All of it takes floats, arrays of cases or symbols: derivatives are carried thro
 from __future__ import annotations
 
 from functools import cached_property
+from itertools import accumulate
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,7 +20,7 @@ from stickslip.basics.maths import maximum, pi
 from stickslip.basics.time_rates import Moving
 from stickslip.models.controllers import Controllers
 from stickslip.models.friction.law_adapter import LawAdapter, adapted
-from stickslip.models.kept_heights import Struck, given_back, lever_of, normal_force, rising_freely, struck_at, with_force
+from stickslip.models.kept_heights import Struck, above, given_back, lever_of, normal_force, rising_freely, struck_at, with_force
 from stickslip.models.linear_equations import product, solved, total
 from stickslip.models.mechanics import SOME, Mechanics, Numbers
 from stickslip.models.placed_contacts import PlacedContact
@@ -165,6 +166,19 @@ class AnyCoordinates(Mechanics):
     def struck(self, i: int, q: Numbers) -> Struck:
         """What impulses at the point of a contact do."""
         return struck_at(self, i, q)
+
+    @cached_property
+    def flying(self) -> tuple[int, ...]:
+        """Numbers of the contacts that may take off and land."""
+        return tuple(i for i, law in enumerate(self.laws) if law.flies)
+
+    def completed(self, q: Numbers, u: Numbers, z: Numbers) -> list[Any]:
+        """Inner states, with the gaps of points that may fly and their rates as the coordinates have them."""
+        whole, ends = list(z), list(accumulate(self.inner, initial=0))
+        heights = self.heights(0.0, q, u) if self.flying else {}
+        for i in self.flying:
+            whole[ends[i] : ends[i + 1]] = above(self, heights[self.contacts[i]])
+        return whole
 
     @property
     def varying(self) -> tuple[bool, ...]:

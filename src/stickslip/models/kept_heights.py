@@ -11,6 +11,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from stickslip.basics.contracts import Numeric
 from stickslip.models.linear_equations import product, total
 from stickslip.models.mechanics import Numbers
@@ -45,6 +47,23 @@ def given_back(lever: Lever, free: Numbers) -> Any:
 def with_force(lever: Lever, free: Numbers, force: Any) -> tuple[Any, ...]:
     """Accelerations of the coordinates with a force upwards, from those without it."""
     return tuple(total([a, product(force, moved)]) for a, moved in zip(free, lever.moved, strict=True))
+
+
+_SAME = 1e-9  # of the velocity scale, and of that in a time scale: a height that is none
+
+
+def least_height(mechanics: Any) -> tuple[float, float]:
+    """A height and a rate of it that are none."""
+    speed = float(np.max(getattr(mechanics, "velocity_scale", 1.0)))
+    time = 1.0 if (scale := getattr(mechanics, "time_scale", None)) is None else float(np.max(scale))
+    return _SAME * speed * time, _SAME * speed
+
+
+def above(mechanics: Any, height: tuple[Any, Any]) -> tuple[Any, Any]:
+    """The gap of a point that may fly, and its rate: exactly zero where it touches."""
+    (gap, rate), (low, slow) = (np.asarray(of, float) for of in height), least_height(mechanics)
+    gap = np.where(abs(gap) <= low, 0.0, gap)
+    return gap, np.where((gap == 0.0) & (abs(rate) <= slow), 0.0, rate)
 
 
 class Struck(NamedTuple):

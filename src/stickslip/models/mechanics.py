@@ -193,6 +193,15 @@ class Mechanics(Protocol):
         return {}
 
     @property
+    def flying(self) -> tuple[int, ...]:
+        """Numbers of the contacts whose inner states, the gap and its rate, follow from the coordinates."""
+        return ()
+
+    def completed(self, q: Numbers, u: Numbers, z: Numbers) -> list[Any]:
+        """Inner states of contacts and controllers, of which those that follow from coordinates do."""
+        return list(z)
+
+    @property
     def varying(self) -> tuple[bool, ...]:
         """Of each contact, whether its row varies with the place."""
         return (False,) * len(self.contacts)

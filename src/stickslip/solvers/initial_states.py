@@ -14,6 +14,7 @@ from stickslip.basics.fields import number
 from stickslip.basics.variables import unit_of
 from stickslip.models.forces import inner_start
 from stickslip.models.friction.law_adapter import law_of
+from stickslip.models.kept_heights import above, least_height
 from stickslip.models.machine_adapter import machine_of
 
 if TYPE_CHECKING:
@@ -126,11 +127,8 @@ def _of_parts(model: Model, labels: Labels, start: Any, problems: Problems) -> A
     _check_heights(mechanics, q, u, problems)
     loads = mechanics.loads(0.0, tuple(q.T), tuple(u.T))
     _check_loads(mechanics, loads, problems)
-    heights = mechanics.heights(0.0, tuple(q.T), tuple(u.T))
-    begun = [
-        state for name, law, load in zip(contacts, laws, loads, strict=True)
-        for state in (_above(mechanics, heights[name]) if law.flies and name in heights else law.start(load))
-    ]  # fmt: skip
+    begun = [state for law, load in zip(laws, loads, strict=True) for state in law.start(load)]
+    begun = mechanics.completed(tuple(q.T), tuple(u.T), begun)
     z = _filled("z", given.get("z"), inner, _columns(begun, cases), labels, problems)
     memory = _filled("memory", given.get("memory"), memories, np.zeros((cases, sum(memories.values()))), labels, problems)
     if np.any(memory != np.round(memory)):
@@ -200,28 +198,14 @@ def _check_loads(mechanics: Mechanics, loads: Any, problems: Problems) -> None:
             problems.add(f"{mistake}; allowed is more than zero; give another load=, or restitution=0.0 for a body that flies and lands")
 
 
-def _least_height(mechanics: Mechanics) -> tuple[float, float]:
-    """A height and a rate of it that are none."""
-    speed = float(np.max(getattr(mechanics, "velocity_scale", 1.0)))
-    time = 1.0 if (scale := getattr(mechanics, "time_scale", None)) is None else float(np.max(scale))
-    return _SAME * speed * time, _SAME * speed
-
-
-def _above(mechanics: Mechanics, height: tuple[Any, Any]) -> tuple[Any, Any]:
-    """The gap of a point that may fly, and its rate: exactly zero where it touches."""
-    (gap, rate), (low, slow) = (np.asarray(of, float) for of in height), _least_height(mechanics)
-    gap = np.where(abs(gap) <= low, 0.0, gap)
-    return gap, np.where((gap == 0.0) & (abs(rate) <= slow), 0.0, rate)
-
-
 def _check_heights(mechanics: Mechanics, q: Array, u: Array, problems: Problems) -> None:
     """Note points that a contact keeps on the ground and that do not begin there, or leave it; those that fly begin nowhere below it."""
-    low, slow = _least_height(mechanics)
+    low, slow = least_height(mechanics)
     flies = {name for name, law in zip(mechanics.contacts, mechanics.laws, strict=True) if law.flies}
     for name, (height, rate) in mechanics.heights(0.0, tuple(q.T), tuple(u.T)).items():
         where = f"the point of the contact {name!r}"
         if name in flies:
-            gap, speed = _above(mechanics, (height, rate))
+            gap, speed = above(mechanics, (height, rate))
             _check_above(where, gap, speed, problems)
             continue
         for value, least, what, unit in ((height, low, "is", "m above"), (rate, slow, "moves at", "m/s away from")):

@@ -61,6 +61,7 @@ class CaseTable:
         for column, name in enumerate(kernel.names):
             self.rows[:, column] = known.get(name, 0.0)
         self.count = count = len(kernel.owners)
+        self._flat, self._own = flat, own
         offsets = flat.mechanics.offsets(0.0)
         self.offsets = np.empty((cases, count))
         for coordinate, contact in enumerate(kernel.owners):
@@ -86,8 +87,16 @@ class CaseTable:
         """Other starts of the same cases, or of some of them, as lanes take them: the way, the states, the memories."""
         count, memories = self.count, 2 * self.count + self.inner
         q, u, z, memory = start[:, :count], start[:, count : 2 * count], start[:, 2 * count : memories], start[:, memories:]
+        if self._flat.mechanics.flying:
+            z = np.column_stack(self._mechanics_of(which).completed(tuple(q.T), tuple(u.T), list(z.T)))
         places = q[:, 1:] - q[:, :1] if self.cyclic else q
         return np.ascontiguousarray(np.concatenate([q[:, :1], u - self.offsets[which], z, places, memory], axis=1))
+
+    def _mechanics_of(self, which: Any) -> Any:
+        """The machine with the numbers of some cases."""
+        if are_single(self._own.values()) or (isinstance(which, slice) and which == slice(None)):
+            return self._flat.mechanics
+        return machine_of(replace_leaf(self.model, {name: np.asarray(own)[which] for name, own in self._own.items()})).mechanics
 
     def ends(self, results: lanes.Results) -> tuple[Array, Array, Array]:
         """Of every case at its end positions (what they are more than the first, where only that is a state), velocities, inner states."""

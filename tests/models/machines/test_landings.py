@@ -13,6 +13,9 @@ import stickslip as ss
 from rows import each_row
 from stickslip.basics.errors import InputError
 from stickslip.basics.status import Status
+from stickslip.dynamics.derivatives.tangents import jacobian_of
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_map
+from stickslip.maths import cos, sin
 
 G = 9.81
 
@@ -230,3 +233,46 @@ def test_a_restitution_is_that_of_ground_that_pushes(restitution, hold, words):
 
     with pytest.raises(InputError, match=re.escape(words)):
         type("Other", (Ball,), {"contacts": contacts})(ss.Coulomb(0.1, 0.1), restitution)
+
+
+@dataclass(frozen=True, eq=False)
+class Rotor(ss.Machine):
+    """A box with an unbalanced rotor, whose force is `ratio` of its weight."""
+
+    ratio: float
+    friction: Any
+    restitution: float
+    coordinates = ("x", "z")
+    period = 0.1
+
+    def bodies(self):
+        return {"box": ss.Body(0.2, force=lambda t, x, v: (self.ratio * 0.2 * G * cos(w * t), self.ratio * 0.2 * G * sin(w * t)))}
+
+    def places(self, t, q):
+        return {"box": (q["x"], q["z"])}
+
+    def contacts(self):
+        return {"foot": ss.Contact("box", self.friction, hold="push", restitution=self.restitution)}
+
+
+w = 2 * np.pi / Rotor.period
+
+
+def test_a_hopping_robot_has_orbits_in_the_coordinates_of_its_bodies():
+    """Its strobe state has the height and no gap. A hit leaves e^2 of an area of heights and rates; on the ground both are forgotten."""
+    robot = Rotor(1.9, ss.Coulomb(0.2, 0.2), 0.3)
+    at, flies = coordinates(robot), np.array([0.1, 0.1, 0.004])
+    assert at.names == ("v.x", "v.z", "x.z")
+    jacobian = jacobian_of(robot, flies)
+    assert np.linalg.det(jacobian[1:, 1:]) == pytest.approx(0.3**2, rel=1e-12)
+    beside = [strobe_map(robot, [flies + 1e-6 * side * np.eye(3)[k] for side in (1, -1)]).state for k in (1, 2)]
+    assert np.allclose(jacobian[:, 1:], np.array([(a - b) / 2e-6 for a, b in beside]).T, rtol=1e-7, atol=1e-7)
+    stays = robot.replace({"ratio": 1.5, "restitution": 0.0})
+    orbit, run = ss.periodic_orbit(stays), ss.solve(stays, periods=40)
+    assert np.max(abs(orbit.multipliers)) < 1e-10 and orbit.mean_velocity == pytest.approx(run.mean_velocity, rel=1e-10)
+    hops = ss.hops(run)
+    assert hops.landings == 1 and hops.speed == pytest.approx(-[e.velocity for e in run.events if e.kind == "landing"][-1], rel=1e-9)
+    speed = ss.dynamics.sensitivity(orbit, wrt=["ratio"])["ratio"]
+    ends = [ss.periodic_orbit(stays.replace({"ratio": 1.5 + h}), guess=orbit).mean_velocity for h in (1e-4, -1e-4)]
+    assert speed == pytest.approx((ends[0] - ends[1]) / 2e-4, rel=1e-6)
+    assert ss.solve(ss.mirrored(stays), periods=40).mean_velocity == pytest.approx(-run.mean_velocity, rel=1e-13)

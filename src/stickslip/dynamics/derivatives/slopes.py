@@ -105,10 +105,9 @@ def _placed(machine: Any, q: tuple[float | None, ...]) -> tuple[Any, ...]:
 
 def _inner_starts(machine: Any, q: tuple[float | None, ...], u: tuple[float, ...]) -> list[Any]:
     """Inner states of contacts that nobody has moved, under the loads where a run begins."""
-    mechanics, placed = machine.mechanics, _placed(machine, q)
-    loads, heights = mechanics.loads(0.0, placed, u), mechanics.heights(0.0, placed, u)
-    named = zip(mechanics.contacts, mechanics.laws, loads, strict=True)
-    return [z for name, law, load in named for z in (heights[name] if law.flies and name in heights else law.start(load))]
+    mechanics = machine.mechanics
+    loads = mechanics.loads(0.0, _placed(machine, q), u)
+    return [z for law, load in zip(mechanics.laws, loads, strict=True) for z in law.start(load)]
 
 
 def _control_starts(machine: Any, q: tuple[float | None, ...], u: tuple[float, ...]) -> list[Any]:

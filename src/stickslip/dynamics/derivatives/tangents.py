@@ -133,7 +133,7 @@ class Follower:
         """The rows of the lanes; starts are placed later."""
         from stickslip.solvers.lane_tables import CaseTable
 
-        width = 2 * len(self.kernel.owners) + self.at.inner_states + self.at.memories
+        width = 2 * len(self.kernel.owners) + self.at.order.all_inner + self.at.memories
         return CaseTable(self.model, self.kernel, np.zeros((self.slopes.cases, width)), self.span, self.given, more=self.more)
 
     @cached_property
@@ -177,7 +177,7 @@ class _Carried:
     def __init__(self, table: Any, kernel: lanes.Kernel, at: Coordinates, slopes: Slopes):
         self.table, self.at = table, at
         self.offsets = np.array(slopes.of(_offsets, kernel.owners))
-        self.inner = at.order.inner.stop - at.order.inner.start
+        self.inner = at.order.all_inner
         self.n = 2 * table.count + self.inner - int(table.cyclic)  # states of the motion itself
         self.more = kernel.states - 2 * self.n
         self.shares, self.d_shares = (np.array(each)[int(table.cyclic) :] for each in (slopes.values(_shares), slopes.of(_shares)))

@@ -67,7 +67,7 @@ def _needs_period(what: str, flow: Any) -> None:
 
 
 def _drifts(model: Model) -> bool:
-    """Whether some of the positions that are coordinates can be shifted, and no acceleration and no load changes.
+    """Whether some of the positions that are coordinates can be shifted, and no acceleration, no load and no height changes.
 
     Of a batch the first case is asked.
     """
@@ -83,7 +83,8 @@ def _drifts(model: Model) -> bool:
         q, u, _ = order.split(y, 0.0)
         t = float(random.uniform(0.0, 1.0)) * float(one.period)
         free = mechanics.accelerations(t, q, u, (0.0,) * len(mechanics.contacts))
-        forces = [*free, *mechanics.loads(t, q, u), *mechanics.control_answers(t, q, u)]
+        heights = mechanics.heights(t, q, u) if mechanics.flying else {}
+        forces = [*free, *mechanics.loads(t, q, u), *mechanics.control_answers(t, q, u), *(height for height, _ in heights.values())]
         rows += [[float(slope) for slope in slopes_of(force, len(positions))] for force in forces]
     G = np.nan_to_num(np.array(rows)).reshape(len(rows), len(order.kept))
     sizes = np.linalg.norm(G, axis=0)

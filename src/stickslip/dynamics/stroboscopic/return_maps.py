@@ -180,7 +180,7 @@ def _column(at: Coordinates, kernel: Any) -> int:
     if order.velocities.start <= index < order.velocities.stop:
         return index - order.velocities.start
     if order.inner.start <= index < order.inner.stop:
-        return n + index - order.inner.start
+        return n + order.own[index - order.inner.start]
     return kernel.states - (order.places.stop - order.places.start) + index - order.places.start
 
 

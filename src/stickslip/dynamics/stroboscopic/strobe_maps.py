@@ -90,6 +90,7 @@ class Coordinates:
         state = np.asarray(state, float)
         columns, m = np.moveaxis(state[..., : self.smooth], -1, 0), self.mechanics
         q, u, z = self.order.split(columns, np.zeros_like(columns[0]))
+        z = m.completed(q, u, z)
         start = {
             what: {name: np.asarray(value)[()] for name, value in zip(m.bodies, values, strict=True)}
             for what, values in (("x", m.positions(0.0, q)), ("v", m.velocities(0.0, u)))

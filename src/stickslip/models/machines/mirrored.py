@@ -224,7 +224,7 @@ def _placed_contact(contact: Any) -> Contact:
     """A contact of a machine with coordinates of its own, whose load is a function of these."""
     load = (lambda t, q: contact.load(t, _negative(q))) if callable(contact.load) else contact.load
     at = None if contact.at is None else (-contact.at[0], contact.at[1])
-    return Contact(contact.body, mirrored_law(contact.friction), on=_on(contact.on), load=load, at=at, hold=contact.hold)
+    return contact.replace(friction=mirrored_law(contact.friction), on=_on(contact.on), load=load, at=at)
 
 
 def _stop(stop: Any) -> Any:
