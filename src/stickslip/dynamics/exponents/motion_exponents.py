@@ -18,14 +18,15 @@ from stickslip.basics.fields import checked_number
 from stickslip.basics.interruption import interruptible, look, partial_result
 from stickslip.basics.quantities import between
 from stickslip.dynamics.derivatives.tangents import Changes, changes_along, not_followed
-from stickslip.dynamics.exponents.general_exponents import Lyapunov, error_of_mean, exponents_of, gathered, grown
-from stickslip.dynamics.flows.flow_stretches import passage
+from stickslip.dynamics.exponents.between_returns import ALIGN, CHUNK, LEAST, between_returns
+from stickslip.dynamics.exponents.general_exponents import Lyapunov, error_of_mean, exponents_of, grown
+from stickslip.dynamics.exponents.lost_directions import summary, with_lost
 from stickslip.dynamics.periodic.closed_orbits import resting
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, Tell, over_chunks
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, flight, refuse_chance, strobe_map, strobe_points, strobe_states
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, flight, refuse_chance, strobe_map, strobe_states
 from stickslip.engine.tangent import tangent_and_volume
 from stickslip.models.model_adapter import adapter_of
 from stickslip.solvers.plain.composed_flows import mode_of_strobe_state
@@ -36,12 +37,7 @@ if TYPE_CHECKING:
     from stickslip.results.trajectory import Trajectory
 
 
-_CHUNK = 50  # drive periods that are kept as dense output at a time
-_JUST_AFTER = 1e-12  # of a return to a switch: rounding must not leave out what the switch does to small changes
-_LEAST = 20  # drive periods that give an average and an error
-_ALIGN = 20  # drive periods in which directions turn into place
 _APART = 1e-7  # distance of two neighbours, in scales
-_ROUNDING = 1e-12  # a direction that shrinks by more than this beside another in a period is lost in its digits
 
 
 @explains_arguments
@@ -110,83 +106,34 @@ def exponents_along(
 ) -> tuple[Lyapunov, bool]:
     """The exponents of `lyapunov`, and whether they are averages over fewer periods, as it was interrupted."""
     if at.section is not None:
-        return _between_returns(model, periods, settle, start, rtol, progress, at)
+        return between_returns(model, periods, settle, start, rtol, progress, at)
     if not adapter_of(model).has_bodies:
         return _of_flow(model, periods, settle, start), False
     state = state_after(model, start, settle, rtol)
-    run = flight(model, state[0], _ALIGN, rtol)  # its growth is left out: the frame turns into place
+    run = flight(model, state[0], ALIGN, rtol)  # its growth is left out: the frame turns into place
     state, Q, logs, parts = strobe_states(run)[-1:], _growth(run, np.eye(coordinates(model).smooth))[1], [], 0
     watch = Watch(periods, progress)
     with partial_result() as ending:
         while parts < periods:
             look()
-            count = min(_CHUNK, periods - parts)
+            count = min(CHUNK, periods - parts)
             run = flight(model, state[0], count, rtol)
             state = strobe_states(run)[-1:]
             grown, Q = _growth(run, Q)
             logs.append(grown)
             parts += count
             watch.finished(0, np.zeros(count, int))
-    ending.needs(parts >= _LEAST)
-    exponents = _summary(np.concatenate(logs))
+    ending.needs(parts >= LEAST)
+    exponents = summary(np.concatenate(logs))
     notes = ending.note(f"averages over {parts} of {periods} drive periods"), exponents.note
     return replace(exponents, note="; ".join(filter(None, notes))), ending.interrupted
-
-
-def _between_returns(
-    model: Model, periods: int, settle: int, start: Any, rtol: float, progress: Report | None, at: Coordinates
-) -> tuple[Lyapunov, bool]:
-    """The same of a model without a period, from return to return to its section; the exponent along the motion, 0, is among them."""
-    d, state, scales = at.smooth - len(at.drifts.free), states_of(start, model), at.scales[: at.smooth]
-    state = strobe_map(model, state, settle, rtol, at).state if settle else state
-    Q, parts, watch = np.eye(d), -_ALIGN, Watch(periods, progress)
-    after = 1.0 + _JUST_AFTER if at.section.is_switch else 1.0
-    growth = partial(_growth_of_machine, model, scales, rtol) if adapter_of(model).has_bodies else partial(_growth_of_flow, model)
-    logs: list[Array] = []
-    times: list[float] = []
-    with partial_result() as ending:
-        while parts < periods:
-            look()
-            count = _ALIGN if parts < 0 else min(_CHUNK, periods - parts)
-            points, _, took = strobe_points(model, state, count, rtol, at)
-            begins, state = np.vstack([state, points[:-1, 0]]), points[-1]
-            for M, volume in growth(begins, took[:, 0] * after):
-                Q, own = grown(M, Q)
-                logs.append(_grown(own, volume, 0))
-            times += took[:, 0].tolist()
-            parts += count
-            watch.finished(0, np.zeros(max(count if parts > 0 else 0, 0), int))
-    ending.needs(parts >= _LEAST)
-    exponents = _summary(np.array(logs[_ALIGN:]), float(np.mean(times[_ALIGN:])), adapter_of(model).unit_of_time)
-    notes = ending.note(f"averages over {parts} of {periods} returns"), exponents.note
-    return replace(exponents, note="; ".join(filter(None, notes))), ending.interrupted
-
-
-def _growth_of_machine(model: Model, scales: Array, rtol: float, begins: Array, took: Array) -> list[tuple[Array, Any]]:
-    """The derivative of each stretch between returns, in scales, and the logarithm of the growth of its volume."""
-    count, d = len(begins), len(scales)
-    changes = changes_along(
-        model,
-        np.repeat(begins, d, axis=0),
-        np.tile(np.diag(scales), (count, 1)),
-        rtol=rtol,
-        span=np.repeat(took, d),
-        made=tangent_and_volume,
-    )
-    return list(zip((changes.change / scales).reshape(count, d, d).transpose(0, 2, 1), changes.volume[::d], strict=True))
-
-
-def _growth_of_flow(flow: Any, begins: Array, took: Array) -> list[tuple[Array, Any]]:
-    """The same of a flow, right at its switches; of its volume it is only known where a switch wipes out a direction."""
-    passed = [passage(flow, state[:-1], mode_of_strobe_state(flow, state), float(time)) for state, time in zip(begins, took, strict=True)]
-    return [(flow.drifts.without(each.monodromy), -np.inf if each.rank_deficient else np.nan) for each in passed]
 
 
 def _of_flow(flow: Any, periods: int, settle: int, start: Any) -> Lyapunov:
     """The same of a flow, from the derivative that its tangent gives of each period."""
     state, T = state_after(flow, start, settle, 1e-12)[0], float(flow.period)
     mode = mode_of_strobe_state(flow, state)
-    return _summary(exponents_of(flow, state[:-1], mode, duration=periods * T, settle=_ALIGN * T, every=T, rtol=1e-12)[0])
+    return summary(exponents_of(flow, state[:-1], mode, duration=periods * T, settle=ALIGN * T, every=T, rtol=1e-12)[0])
 
 
 def state_after(model: Model, start: Any, settle: int, rtol: float, at: Coordinates | None = None) -> Array:
@@ -203,32 +150,9 @@ def check_exponents(model: Model, periods: Any, settle: Any) -> None:
         hint = "type ss.dynamics.largest_exponents(machine) for the largest exponent, from neighbours"
         raise InputError("lyapunov", [f"perturbations are not propagated here, as {why}; {hint}"])
     problems = Problems("lyapunov")
-    problems.whole("periods", periods, _LEAST, example=2000)
+    problems.whole("periods", periods, LEAST, example=2000)
     problems.whole("settle", settle, 0, example=200)
     problems.check()
-
-
-_FORGOTTEN = (
-    "at rest, at a controller's sample, or where a law sets its state anew, the one before is forgotten: a multiplier of exactly 0, or "
-    "beside it one below 1e-12 in a period"
-)
-
-_TOUCHED = (
-    "a switch is touched without being crossed, as by a state that stays at a limit where the equations change: there they have no "
-    "derivative, and the exponents are not known; type ss.dynamics.largest_exponents(machine) for the largest, from neighbours"
-)
-
-
-def _summary(logs: Array, time: float = 1.0, unit: str = "drive period") -> Lyapunov:
-    """The result; an exponent that is -inf in any period is -inf, comes last, and has no error."""
-    dead = np.isneginf(logs).any(axis=0)
-    with np.errstate(invalid="ignore"):
-        exponents = gathered(np.where(dead, -np.inf, logs), time, unit)
-    if np.isnan(logs).any():
-        return replace(exponents, note=_TOUCHED)
-    if not dead.any():
-        return exponents
-    return replace(exponents, errors=np.where(np.isneginf(exponents.spectrum), 0.0, exponents.errors), note=_FORGOTTEN)
 
 
 def _growth(run: Trajectory, Q: Array) -> tuple[Array, Array]:
@@ -241,7 +165,7 @@ def _growth(run: Trajectory, Q: Array) -> tuple[Array, Array]:
     volumes, rests, logs = changes.volume[::d], _most_at_rest(run), np.empty((run.periods, d))
     for k, M in enumerate(matrices):
         Q, own = grown(M, Q)
-        logs[k] = _grown(own, volumes[k], rests[k])
+        logs[k] = with_lost(own, volumes[k], rests[k])
     return logs, Q
 
 
@@ -261,21 +185,6 @@ def _most_at_rest(run: Trajectory) -> Array:
     most = np.zeros(run.periods, int)
     np.maximum.at(most, number, resting(run))
     return most
-
-
-def _grown(logs: Array, volume: float, rests: int) -> Array:
-    """The growth in a period: -inf of what rest ends, and of what is lost below rounding an equal part of what the volume leaves over.
-
-    A volume that is lost leaves nothing over: then what is lost below rounding is so for good.
-    """
-    lost = logs < logs[0] + np.log(_ROUNDING)
-    if rests or np.isneginf(volume):
-        logs[-max(int(rests), 1) :] = -np.inf
-        logs[lost & np.isneginf(volume)] = -np.inf
-        return logs
-    if lost.any() and np.isfinite(volume):
-        logs[lost] = (volume - logs[~lost].sum()) / lost.sum()
-    return logs
 
 
 @explains_arguments
@@ -371,7 +280,7 @@ def _apart_after(
     """Exponents and errors of some cases, after transients."""
     model, state, at = starts
     begun = strobe_map(model, state, settle, max(rtol, 1e-8), at).state if settle else state
-    tell(settle / (settle + 3.0 * (_ALIGN + periods)))
+    tell(settle / (settle + 3.0 * (ALIGN + periods)))
     return _apart_by(model, begun, at, periods, rtol, apart, tell)
 
 
@@ -385,15 +294,15 @@ def _apart_by(model: Model, state: Array, at: Coordinates, periods: int, rtol: f
     root = np.sqrt(max(len(at.free), 1))
     even = np.where(free, 1 / root, 0.0)
     away, other = np.tile(np.where(free, apart * scales / root, 0.0), (cases, 1)), state[:, d:]
-    logs = np.empty((_ALIGN + periods, cases))
-    for k in range(_ALIGN + periods):
+    logs = np.empty((ALIGN + periods, cases))
+    for k in range(ALIGN + periods):
         if k % 16 == 15:
-            tell(k / (_ALIGN + periods))
+            tell(k / (ALIGN + periods))
         ends = strobe_map(both, np.vstack([state, np.hstack([state[:, :d] + away, other])]), 1, rtol, of_both).state
         state, other, gap = ends[:cases], ends[cases:, d:], np.where(free, (ends[cases:, :d] - ends[:cases, :d]) / scales, 0.0)
         size = np.linalg.norm(gap, axis=1)
         with np.errstate(divide="ignore"):
             logs[k] = np.log(size / apart)
         away = np.where(size[:, None] > 0, gap / np.where(size > 0, size, 1.0)[:, None], even) * apart * scales
-    logs = logs[_ALIGN:]
+    logs = logs[ALIGN:]
     return logs.mean(axis=0), error_of_mean(np.where(np.isfinite(logs), logs, 0.0))

@@ -1,0 +1,156 @@
+"""Lyapunov exponents of a motion without a period, from return to return to its section.
+
+One direction is known: that along the motion, the rates f of the states, which the derivative M of the flow carries from one return to the
+next, M f = f there. Its exponent is 0, and so it is measured: by how much M stretches the direction that came from the return before,
+against the rates that it should have become. Divided by what the rates are, this does not depend on where a motion begins and ends, as
+the mean growth of a length does, which is 0 only after long. The others are the growth of what is left beside that direction. Of a
+motion that dies out the rates do too, and then it is the growth of the length that counts.
+
+References
+----------
+G. Benettin, L. Galgani, A. Giorgilli and J.-M. Strelcyn, Meccanica 15 (1980) 9; H. Haken, Physics Letters A 94 (1983) 71 (the zero).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip.basics.contracts import Array, Model
+from stickslip.basics.interruption import look, partial_result
+from stickslip.dynamics.derivatives.tangents import changes_along
+from stickslip.dynamics.exponents.general_exponents import Lyapunov
+from stickslip.dynamics.exponents.lost_directions import summary, with_lost
+from stickslip.dynamics.flows.flow_stretches import passage
+from stickslip.dynamics.periodic.cycle_sections import far_end
+from stickslip.dynamics.periodic.given_states import states_of
+from stickslip.dynamics.stroboscopic.chosen_sections import LONGEST_RETURN
+from stickslip.dynamics.stroboscopic.strobe_maps import flow_map, strobe_map, strobe_points
+from stickslip.engine.tangent import tangent_and_volume
+from stickslip.models.model_adapter import adapter_of
+from stickslip.solvers.plain.composed_flows import composed, mode_of_strobe_state
+from stickslip.studies.progress import Watch
+
+if TYPE_CHECKING:
+    from stickslip.dynamics.stroboscopic.chunked_runs import Report
+    from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates
+
+CHUNK = 50  # returns that are followed at a time
+LEAST = 20  # that give an average and an error
+ALIGN = 20  # in which directions turn into place
+_JUST_AFTER = 1e-12  # of a return to a switch: rounding must not leave out what the switch does to small changes
+_BRIEFLY = 1e-6  # of the time of a motion: over which its rates are differences
+_STILL = 1e-9  # in scales and that time: what moves by less stands still, and has no direction of its own
+_FALLS, _LASTS = 1e-6, 0.25  # from one quarter of the returns to the next: logarithms of rates; part of the first fall that is left
+
+Stretches = Callable[[Array, Array], list[tuple[Array, Any, Array]]]
+
+
+def between_returns(
+    model: Model, periods: int, settle: int, start: Any, rtol: float, progress: Report | None, at: Coordinates
+) -> tuple[Lyapunov, bool]:
+    """All exponents, and whether they are averages over fewer returns, as it was interrupted; the one along the motion is among them."""
+    state = states_of(start, model)
+    state = strobe_map(model, state, settle, rtol, at).state if settle else state
+    frame, parts, watch = Frame(at.smooth - len(at.drifts.free)), -ALIGN, Watch(periods, progress)
+    after = 1.0 + _JUST_AFTER if at.section.is_switch else 1.0
+    stretches: Stretches = partial(_of_machine if adapter_of(model).has_bodies else _of_flow, model, at, rtol)
+    logs, lengths, times = list[Array](), list[float](), list[float]()
+    with partial_result() as ending:
+        while parts < periods:
+            look()
+            count = ALIGN if parts < 0 else min(CHUNK, periods - parts)
+            points, _, took = strobe_points(model, state, count, rtol, at)
+            begins, state = np.vstack([state, points[:-1, 0]]), points[-1]
+            for M, volume, f in stretches(begins, took[:, 0] * after):
+                logs.append(with_lost(frame.carried(M, f), volume, 0))
+                lengths.append(frame.longer)
+            times += took[:, 0].tolist()
+            parts += count
+            watch.finished(0, np.zeros(max(count if parts > 0 else 0, 0), int))
+    ending.needs(parts >= LEAST)
+    growth, longer = np.array(logs[ALIGN:]), np.array(lengths[ALIGN:])
+    if _dies_out(longer):
+        growth[:, 0] += np.nan_to_num(longer)
+    exponents = summary(growth, float(np.mean(times[ALIGN:])), adapter_of(model).unit_of_time)
+    notes = ending.note(f"averages over {parts} of {periods} returns"), exponents.note
+    return replace(exponents, note="; ".join(filter(None, notes))), ending.interrupted
+
+
+def _dies_out(longer: Array) -> bool:
+    """Whether rates become less and less, or more and more, or nothing moves: by logarithms of what each return makes of them."""
+    largest = [part.max() for part in np.array_split(np.cumsum(longer), 4)]
+    falls = -np.diff(largest)
+    steadily = falls.min() > _FALLS or falls.max() < -_FALLS
+    return bool(np.isnan(longer).any() or (steadily and abs(falls[-1]) > _LASTS * abs(falls[0])))
+
+
+class Frame:
+    """Directions that grow along a motion: first that along it, then the others, each beside those before it.
+
+    Examples
+    --------
+    On a circle that shrinks by half, gone around once in each stretch, as fast as its radius is large:
+
+    >>> frame, M = Frame(2), np.diag([1.0, 0.5])
+    >>> [frame.carried(M, np.array([2.0, 0.0])).round(6).tolist() for _ in range(2)]
+    [[0.0, -0.693147], [0.0, -0.693147]]
+    """
+
+    def __init__(self, count: int):
+        self.Q, self.along = np.eye(count), np.full(count, np.nan)
+        self.longer = np.nan  # logarithm of the rates after the last stretch in terms of those before it; NaN where nothing moves
+
+    def carried(self, M: Array, f: Array) -> Array:
+        """The logarithms of the growth in a stretch with the derivative M, at whose beginning the rates are f."""
+        ahead, began = M @ f, np.isfinite(self.along).all()
+        size = float(np.linalg.norm(ahead))
+        if not (np.max(abs(f), initial=0.0) > _STILL and 0.0 < size < np.inf):
+            self.along, self.longer, (self.Q, R) = np.full(len(f), np.nan), np.nan, np.linalg.qr(M @ self.Q)
+            return _logs(np.diag(R))
+        if not began:
+            self.along, self.Q = f, np.linalg.qr(np.column_stack([f, self.Q]))[0]
+        stretched, before = M @ self.Q, float(np.linalg.norm(self.along))
+        first, self.longer = np.linalg.norm(stretched[:, 0]) * before / size, float(np.log(size / before))
+        self.along, (self.Q, R) = ahead, np.linalg.qr(np.column_stack([ahead, stretched[:, 1:]]))
+        return np.append(_logs(first), _logs(np.diag(R)[1:]))
+
+
+def _logs(growth: Any) -> Array:
+    with np.errstate(divide="ignore"):
+        return np.log(abs(np.asarray(growth)))
+
+
+def _of_machine(model: Model, at: Coordinates, rtol: float, begins: Array, took: Array) -> list[tuple[Array, Any, Array]]:
+    """Of each stretch its derivative, in scales, the logarithm of the growth of its volume, and the rates at its beginning."""
+    scales = at.scales[: at.smooth]
+    count, d = len(begins), len(scales)
+    states, starts = np.repeat(begins, d, axis=0), np.tile(np.diag(scales), (count, 1))
+    changes = changes_along(model, states, starts, rtol=rtol, span=np.repeat(took, d), made=tangent_and_volume)
+    h = _BRIEFLY * _time_of(at)
+    soon, later = (flow_map(model, begins, k * h).state[:, :d] for k in (1.0, 2.0))
+    rates = (4.0 * soon - 3.0 * begins[:, :d] - later) / (2.0 * h)
+    rates[:, 0] -= far_end(model)
+    matrices = (changes.change / scales).reshape(count, d, d).transpose(0, 2, 1)
+    return list(zip(matrices, changes.volume[::d], rates * _time_of(at) / scales, strict=True))
+
+
+def _of_flow(flow: Any, at: Coordinates, rtol: float, begins: Array, took: Array) -> list[tuple[Array, Any, Array]]:
+    """The same of a flow, right at its switches; of its volume it is only known where a switch wipes out a direction."""
+    fields, stretches = composed(flow).fields, []
+    for state, time in zip(begins, took.tolist(), strict=True):
+        mode = mode_of_strobe_state(flow, state)
+        done = passage(flow, state[:-1], mode, time)
+        rates = np.delete(np.array(fields[mode](0.0, list(state[:-1])), float), flow.drifts.free)
+        volume = -np.inf if done.rank_deficient else np.nan
+        stretches.append((flow.drifts.without(done.monodromy), volume, rates * _time_of(at)))
+    return stretches
+
+
+def _time_of(at: Coordinates) -> float:
+    """A typical time of the motion: the longest of a return is some of these."""
+    return float(np.max(at.section.longest)) / LONGEST_RETURN
