@@ -63,6 +63,20 @@ def test_a_killed_worker_costs_nothing_if_the_pool_can_be_made_again(tmp_path):
     assert (tmp_path / "killed").exists()
 
 
+def test_of_processes_by_name_one_that_is_killed_costs_its_own_chunks(tmp_path):
+    def work(n):
+        if n == 3 and not (tmp_path / "killed").exists():
+            (tmp_path / "killed").touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        time.sleep(0.02)
+        return os.getpid()
+
+    crew = Workers(1, "processes:2")
+    assert crew.threads == 2 and crew.elsewhere
+    done = list(handed_out(work, range(60), crew))
+    assert sorted(n for n, _ in done) == list(range(60)) and len({pid for _, pid in done}) <= 3
+
+
 class Broken(Executor):
     """A pool that has lost its workers."""
 
@@ -121,3 +135,5 @@ def test_what_cannot_travel_is_refused_in_words():
     problems = Problems("sweep")
     Workers(0, 3).note(problems)
     assert len(problems.mistakes) == 2 and "executor = 3; allowed is an executor with submit()" in problems.mistakes[1]
+    with pytest.raises(ss.InputError, match=r"executor = 'processes:0'; allowed is .* or \"processes:N\"; type for example"):
+        ss.sweep(ss.presets.piezo_rig, amplitude=[4e-4, 5e-4], tilt_deg=1.7, executor="processes:0")

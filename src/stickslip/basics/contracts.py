@@ -196,10 +196,25 @@ class Executor(Protocol):
         """Begin a call, and return a future."""
 
 
+_MOST = 1024  # processes
+
+
+def process_count(text: Any) -> int | None:
+    """How many processes ``"processes:8"`` asks for; None for anything else.
+
+    Examples
+    --------
+    >>> process_count("processes:8"), process_count("processes:0"), process_count(8)
+    (8, None, None)
+    """
+    kind, _, count = text.partition(":") if isinstance(text, str) else ("", "", "")
+    return int(count) if kind == "processes" and count.isdecimal() and 1 <= int(count) <= _MOST else None
+
+
 #: What may be an executor, in words.
-EXECUTORS = "an executor with submit(), or a function that makes one; type for example executor=concurrent.futures.ProcessPoolExecutor(8)"
+EXECUTORS = 'an executor with submit(), a function that makes one, or "processes:N"; type for example executor="processes:8"'
 
 
 def is_executor(value: Any) -> bool:
-    """Whether it is an executor, a function that makes one, or None."""
-    return value is None or callable(value) or isinstance(value, Executor)
+    """Whether it is an executor, a function that makes one, ``"processes:8"``, or None."""
+    return value is None or callable(value) or isinstance(value, Executor) or process_count(value) is not None

@@ -25,10 +25,11 @@ from dataclasses import dataclass, replace
 from types import TracebackType
 from typing import Any, NamedTuple
 
-from stickslip.basics.contracts import EXECUTORS, is_executor
+from stickslip.basics.contracts import EXECUTORS, is_executor, process_count
 from stickslip.basics.errors import InputError, Problems, StickslipError
 from stickslip.basics.fingerprints import fingerprint
 from stickslip.basics.interruption import CTRL_C, Interrupted, StopRequest, in_threads
+from stickslip.basics.processes import Processes
 
 LOOK = 0.2  # how often it looks whether the call is to end [s]
 _PATIENCE = 5.0  # how long chunks at work are waited for after an interruption [s]
@@ -51,8 +52,9 @@ class Workers:
     ----------
     threads : int
         Threads of this process; with an executor, the number of its workers: twice as many chunks are handed out at once.
-    executor : Executor or callable, optional
-        An executor, or a function that makes one; it is asked again if the pool breaks, as a process pool does when a worker is killed.
+    executor : Executor, callable or str, optional
+        An executor, or a function that makes one; it is asked again if the pool breaks, as a process pool does when a worker is killed. Or
+        "processes:8" for eight processes of this computer, of which each is begun again if it is killed; it says the number of workers.
     retries : int
         How often a chunk that was lost with its worker is handed out again, and how often a pool that breaks is made again without a
         chunk finished in between.
@@ -64,6 +66,11 @@ class Workers:
     executor: Any = None
     retries: int = 3
     at_once: Callable[[], int] | None = None
+
+    def __post_init__(self) -> None:
+        if (count := process_count(self.executor)) is not None:
+            object.__setattr__(self, "executor", functools.partial(Processes, count))
+            object.__setattr__(self, "threads", count)
 
     @property
     def elsewhere(self) -> bool:

@@ -89,7 +89,7 @@ def pareto(
     problems.check()
     report, whole = reporting(progress, "pareto"), points + 2
     with Workers(workers, executor).kept() as kept:
-        asked: dict[str, Any] = dict(over=over, starts=starts, seed=seed, workers=workers, executor=kept.executor)
+        asked: dict[str, Any] = dict(over=over, starts=starts, seed=seed, workers=kept.threads, executor=kept.executor)
         least = optimise(model, minimise=minimise, subject_to=subject_to, **asked)
         most = optimise(model, maximise=maximise, subject_to=subject_to, **asked)
         optima, low, high = [most], least[minimise] + _ABOVE * abs(least[minimise]), most[minimise]
