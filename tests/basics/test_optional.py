@@ -48,6 +48,7 @@ def sampled(path):
     ("name", "door", "file", "extra"),
     [
         ("pyarrow", exported, "grid.parquet", "parquet"),
+        ("zarr", exported, "grid.zarr", "zarr"),
         ("openpyxl", exported, "grid.xlsx", "io"),
         ("openpyxl", read, "log.xlsx", "io"),
         ("nptdms", read, "log.tdms", "io"),

@@ -10,6 +10,7 @@ import errno
 import io
 import os
 import secrets
+import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, BinaryIO, cast
@@ -74,6 +75,30 @@ def whole_file(path: Path, failed: Failed, new: bool = False) -> Iterator[Binary
         finally:
             with contextlib.suppress(OSError):  # what has failed fails again when its buffer is flushed
                 file.close()
+
+
+@contextlib.contextmanager
+def whole_folder(path: Path, failed: Failed) -> Iterator[Path]:
+    """A new folder beside `path` to fill, which takes its place if all went well; a folder that stands there is removed then.
+
+    Between the two steps of the exchange neither is there; whoever interrupts it finds the old one beside its place.
+    """
+    token = secrets.token_hex(6)
+    part, old = (path.with_name(f".{path.name}.{token}{ending}") for ending in (PART, ".old"))
+    try:
+        if path.exists() and not path.is_dir():
+            raise NotADirectoryError(errno.ENOTDIR, "it is a file")
+        part.mkdir()
+        yield part
+        if path.exists():
+            os.replace(path, old)
+        os.replace(part, path)
+    except OSError as error:
+        raise failed(path, error) from None
+    finally:
+        shutil.rmtree(part, ignore_errors=True)
+        if path.exists():
+            shutil.rmtree(old, ignore_errors=True)
 
 
 def write_whole(path: Path, content: str | bytes, failed: Failed) -> Path:

@@ -22,6 +22,7 @@ from stickslip.studies.result_columns import COLUMNS, base_of, column_type, dim_
 from stickslip.studies.space import Column
 from stickslip.studies.space_file import read_labels
 from stickslip.studies.tiles import read_tile, tile_notes
+from stickslip.studies.zarr_stores import is_store, is_url, opened
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,7 +40,7 @@ def open_study(folder: str | Path) -> xr.Dataset:
     Parameters
     ----------
     folder : path
-        The `out` of a `sweep`, or a .nc file that `export` wrote.
+        The `out` of a `sweep`, or a .nc file or a .zarr store that `export` wrote (which is read as a whole; `xarray.open_zarr` is lazy).
 
     Returns
     -------
@@ -53,9 +54,11 @@ def open_study(folder: str | Path) -> xr.Dataset:
     >>> ss.open_study("study").motion_type.values.tolist()
     ['II', 'III']
     """
-    folder = as_path(folder, "open_study", "grid")
+    given, folder = folder, as_path(folder, "open_study", "grid")
+    if is_url(given) or is_store(folder):
+        return _in_words(_whole_store(given if is_url(given) else folder), str(given))
     if folder.is_file():
-        return _open_file(folder)
+        return _in_words(_whole_file(folder), str(folder))
     manifest = read_manifest(folder)
     import xarray as xr
 
@@ -80,24 +83,38 @@ def _remarks(manifest: dict[str, Any]) -> list[str]:
     return [*old, *manifest.get("unchecked", [])]
 
 
-def _open_file(path: Path) -> Any:
-    """A grid written by `export`, with its words as text."""
+def _whole_file(path: Path) -> Any:
+    """The content of a file that `export` wrote."""
     import xarray as xr
 
     try:
         with hdf5.checked_file(path, "study", Allowance("study", path.stat().st_size), for_others=True):
             pass
-        grid = xr.load_dataset(path, engine="h5netcdf")
+        return xr.load_dataset(path, engine="h5netcdf")
     except InputError:
         raise
     except Exception as error:  # the library may fail anywhere on damaged bytes
         raise InputError(
             "study", [f"{str(path)!r} cannot be read: {error}; give a study folder, or a .nc file that export wrote"]
         ) from None
+
+
+def _whole_store(path: Path | str) -> Any:
+    """The content of a Zarr store that `export` wrote."""
+    try:
+        return opened(path).load()
+    except InputError:
+        raise
+    except Exception as error:  # a chunk that is damaged, or a store elsewhere that does not answer
+        raise InputError("study", [f"{str(path)!r} cannot be read: {error}; give a study folder, or a store that export wrote"]) from None
+
+
+def _in_words(grid: Any, path: str) -> Any:
+    """A grid written by `export`, with its words as text."""
     content = grid.attrs.pop("stickslip_content", None)
     if content != "sweep":
         what = "is a run; type ss.load(path)" if content == "trajectory" else "was not written by export; open it with xarray.open_dataset"
-        raise InputError("study", [f"{str(path)!r} {what}"])
+        raise InputError("study", [f"{path!r} {what}"])
     grid.attrs.pop("Conventions", None)
     read = {str(name): (tuple(map(str, grid[name].dims)), _decoded(str(name), grid[name])) for name in grid.variables}
     labels = {name: Column(dims, values) for name, (dims, values) in read.items() if name in grid.coords}
@@ -112,7 +129,9 @@ def _decoded(name: str, variable: Any) -> Array:
     values = variable.values
     if "kept_as" in variable.attrs:
         return from_characters(values, variable.attrs["kept_as"])
-    return np.char.decode(values).astype(COLUMNS[name]) if values.dtype.kind == "S" else words(name, values)
+    if values.dtype.kind in "SOT":  # of a netCDF file, and of a Zarr store
+        return (np.char.decode(values) if values.dtype.kind == "S" else values).astype(COLUMNS[name])
+    return words(name, values)
 
 
 class _Tiled(BackendArray):

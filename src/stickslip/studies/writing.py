@@ -1,4 +1,4 @@
-"""Export of a study, a run, or any labelled dataset to one file: netCDF4, MATLAB, CSV, Excel or Parquet, block by block where possible."""
+"""Export of a study, a run, or any labelled dataset: netCDF4, Zarr, MATLAB, CSV, Excel or Parquet, block by block where possible."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import json
 import math
 import os
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -20,17 +21,18 @@ from stickslip.basics.optional import library
 from stickslip.basics.status import STATUS
 from stickslip.basics.whole_files import for_hdf5, unwritable, whole_file
 from stickslip.basics.workbooks import write_workbook
+from stickslip.studies.blocks import ROWS, slabs
 from stickslip.studies.opening import open_study
 from stickslip.studies.result_columns import COLUMNS, TYPES, attributes_in_files, characters, coded, unwritten
+from stickslip.studies.zarr_stores import ENDING, is_url, to_zarr
 
-_ROWS = 65536  # cases per block
 _ROW = "row of a file"
 _MAT = 2**31 - 1  # bytes of one variable in a MATLAB file of version 5
 
 
 @explains_arguments
-def export(study: Any, path: str | Path) -> Path:
-    """Write the results of a sweep, a batch or a run to one file; the file extension selects the format.
+def export(study: Any, path: str | Path) -> Path | str:
+    """Write the results of a sweep, a batch or a run to one file, or one store; the extension selects the format.
 
     Parameters
     ----------
@@ -39,11 +41,12 @@ def export(study: Any, path: str | Path) -> Path:
         `solve`.
     path : path
         ``.nc`` (netCDF4, read by MATLAB's ncread and by xarray), ``.mat`` (MATLAB version 5), ``.csv``, ``.xlsx`` (Excel) or ``.parquet``
-        (one row for each case, words as text). Runs have no ``.parquet``.
+        (one row for each case, words as text), or ``.zarr`` (a store that `xarray.open_zarr` opens lazily: a folder, or a URL that fsspec
+        knows, such as ``s3://bucket/grid.zarr``). Runs have no ``.parquet`` and no ``.zarr``.
 
     Returns
     -------
-    Path
+    Path or str
         Where it was written. An existing file is replaced in a single step at the end.
 
     Examples
@@ -53,12 +56,18 @@ def export(study: Any, path: str | Path) -> Path:
     >>> print(ss.studies.export(grid, "grid.csv").read_text().splitlines()[1][:14])
     0.0003,1.7,7.8
     """
-    target = as_path(path, "export", "grid.nc")
+    if is_url(path) and not str(path).endswith(ENDING):
+        raise InputError("export", [f"{path!r} is a URL; allowed there is a Zarr store; type for example s3://bucket/grid{ENDING}"])
+    target = Path(str(path)) if is_url(path) else as_path(path, "export", "grid.nc")
     if hasattr(study, "to_xarray") and hasattr(study, "save"):  # a run has its own file formats
         return Path(study.save(target))
+    if target.suffix.lower() == ENDING:
+        return to_zarr(path, partial(_stored, _opened(study)))
     write = FORMATS.get(target.suffix.lower())
     if write is None:
-        raise InputError("export", [f"{str(path)!r} ends in {target.suffix!r}; allowed are {', '.join(FORMATS)}; type for example grid.nc"])
+        raise InputError(
+            "export", [f"{str(path)!r} ends in {target.suffix!r}; allowed are {', '.join((*FORMATS, ENDING))}; type for example grid.nc"]
+        )
     data = _opened(study)
     if target.suffix.lower() in (".csv", ".xlsx", ".parquet"):
         data = one_row_a_case(data)
@@ -87,14 +96,6 @@ def _opened(study: Any) -> Any:
     return study
 
 
-def _slabs(shape: tuple[int, ...]) -> Iterator[tuple[slice, ...]]:
-    """Blocks of approximately `_ROWS` elements that cover an array of this shape, cut along its longest dimension."""
-    axis = int(np.argmax(shape)) if shape else 0
-    step = max(_ROWS * max(shape, default=1) // max(math.prod(shape), 1), 1)
-    for first in range(0, max(shape, default=1), step):
-        yield (*(slice(None) for _ in shape[:axis]), *(slice(first, first + step) for _ in shape[:1]))
-
-
 def _dims(data: Any) -> tuple[str, ...]:
     """The dimensions in the order of the rows: those of the column with most dimensions, then others."""
     most = max(data.data_vars, key=lambda name: data[name].ndim)
@@ -121,6 +122,25 @@ def _netcdf(data: Any, file: BinaryIO) -> None:
                 "export", [f"the dataset cannot be kept in a netCDF file: {error}; leave out what is not a number and no word"]
             ) from None
         return
+    with for_hdf5(file) as target, h5netcdf.File(target, "w") as whole:
+        _grid(data, whole, target.check)
+
+
+def _stored(data: Any, store: Any) -> None:
+    """Write a dataset to a Zarr store: a sweep block by block, with a chunk for each block."""
+    if _is_sweep(data):
+        _grid(data, store)
+        return
+    try:
+        store.take(data)
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            "export", [f"the dataset cannot be kept in a Zarr store: {error}; leave out what is not a number and no word"]
+        ) from None
+
+
+def _grid(data: Any, whole: Any, check: Callable[[], None] = lambda: None) -> None:
+    """Write a sweep to an open file, or to a store that takes the same calls."""
     problems = Problems("export")
     for name in data.variables:
         if data[name].dtype.kind not in "iufbOSU":
@@ -128,19 +148,18 @@ def _netcdf(data: Any, file: BinaryIO) -> None:
                 f"{name} holds {data[name].dtype}; a file of a sweep keeps numbers, words, True and False; type drop_vars({name!r})"
             )
     problems.check()
-    with for_hdf5(file) as target, h5netcdf.File(target, "w") as whole:
-        whole.dimensions = {**{str(d): n for d, n in data.sizes.items()}, "character": 32}
-        whole.attrs.update({k: v for k, v in data.attrs.items() if isinstance(v, (str, int, float))})
-        whole.attrs.update({"stickslip_content": "sweep", "Conventions": "CF-1.11"})
-        labels = [str(name) for name in data.coords if name not in data.dims]
-        if labels:
-            whole.attrs["coordinates"] = " ".join(labels)
-        for name in map(str, data.variables):
-            target.check()
-            if name in COLUMNS and name in data.data_vars:
-                _column(whole, name, data[name])
-            else:
-                _own(whole, name, data[name])
+    whole.dimensions = {**{str(d): n for d, n in data.sizes.items()}, "character": 32}
+    whole.attrs.update({k: v for k, v in data.attrs.items() if isinstance(v, (str, int, float))})
+    whole.attrs.update({"stickslip_content": "sweep", "Conventions": "CF-1.11"})
+    labels = [str(name) for name in data.coords if name not in data.dims]
+    if labels:
+        whole.attrs["coordinates"] = " ".join(labels)
+    for name in map(str, data.variables):
+        check()
+        if name in COLUMNS and name in data.data_vars:
+            _column(whole, name, data[name])
+        else:
+            _own(whole, name, data[name])
 
 
 def _column(file: Any, name: str, values: Any) -> None:
@@ -150,7 +169,7 @@ def _column(file: Any, name: str, values: Any) -> None:
     made = file.create_variable(name, (*values.dims, *more), kind.dtype)
     made.attrs.update(attributes_in_files(name))
     made.attrs["units"] = str(values.attrs.get("units", made.attrs["units"]))
-    for block in _slabs(values.shape):
+    for block in slabs(values.shape):
         made[block] = coded(name, np.asarray(values[block].values))
 
 
@@ -213,8 +232,8 @@ def _rows(data: Any) -> Iterator[dict[str, Array]]:
     shape = tuple(data.sizes[d] for d in dims)
     count, columns = math.prod(shape), _columns(data)
     data = data.assign_coords({dim: np.arange(data.sizes[dim]) for dim in dims if dim not in data.coords})
-    for first in range(0, count, _ROWS):
-        index = np.unravel_index(np.arange(first, min(first + _ROWS, count)), shape) if dims else ()
+    for first in range(0, count, ROWS):
+        index = np.unravel_index(np.arange(first, min(first + ROWS, count)), shape) if dims else ()
         some = data.isel({dim: (_ROW, at) for dim, at in zip(dims, index, strict=True)})
         yield {name: np.broadcast_to(some[name].values, some.sizes.get(_ROW, 1)) for name in columns}
 

@@ -1,4 +1,4 @@
-"""``stickslip export``: write the results of a sweep as one .nc, .mat, .csv, .xlsx or .parquet file."""
+"""``stickslip export``: write the results of a sweep as one .nc, .mat, .csv, .xlsx or .parquet file, or a .zarr store."""
 
 from __future__ import annotations
 
@@ -19,7 +19,9 @@ if TYPE_CHECKING:
     about="Write the results of a study, or every column of a run, to one file.",
     arguments=(
         argument("results", metavar="RESULTS", help="a study folder, the .nc file of a sweep, or the .nc file of a run"),
-        argument("file", metavar="FILE", help="a .nc, .mat, .csv, .xlsx or (of a study) .parquet file"),
+        argument(
+            "file", metavar="FILE", help="a .nc, .mat, .csv, .xlsx or (of a study) .parquet file, or a .zarr store (a folder, or a URL)"
+        ),
     ),
     example="""\
 $ stickslip sweep coulomb_robot alpha_plus=0.4..0.7:4 alpha_minus=0.9 --out study
@@ -38,13 +40,13 @@ def act(asked: Namespace) -> Outcome:
     source = as_path(asked.results, "study")
     if source.is_file() and is_run(source, asked.command):
         return _export_run(source, show.writable("FILE", asked.file, DATA))
-    target = show.writable("FILE", asked.file, FILES)
+    target = asked.file if asked.file.endswith(".zarr") else str(show.writable("FILE", asked.file, (*FILES, ".zarr")))
 
     from stickslip.studies import export, open_study
 
     grid = open_study(source)
-    export(grid, str(target))
-    return study_written(grid, str(target))
+    export(grid, target)
+    return study_written(grid, target)
 
 
 def _export_run(source: Path, target: Path | None) -> Outcome:

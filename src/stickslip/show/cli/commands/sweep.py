@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 _SHOWN = 60  # rows of the printed table
 _COLUMNS = ("mean_velocity", "motion_type", "pattern", "period", "margin")
 _SETTLED = 1  # the status of a case whose strobe point repeats
-_NOT_OURS = (".xls", ".ods", ".txt", ".tsv", ".dat", ".json", ".npy", ".npz", ".h5", ".hdf5", ".pkl", ".png", ".pdf", ".svg")
+_NOT_OURS = (".xls", ".ods", ".txt", ".tsv", ".dat", ".json", ".npy", ".npz", ".h5", ".hdf5", ".pkl", ".png", ".pdf", ".svg", ".zarr")
 
 
 @command(
