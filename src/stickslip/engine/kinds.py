@@ -21,7 +21,7 @@ from stickslip.basics.references import References
 from stickslip.engine.remembered import OfFrozen
 from stickslip.engine.symbolic import is_written_out
 from stickslip.models.declaration import answers, answers_of, calls, instants, same_answers
-from stickslip.models.machine_adapter import forget_mechanics, fresh_mechanics
+from stickslip.models.machine_adapter import forget_mechanics, fresh_mechanics, machine_of
 
 _NUMBER = object()  # in a kind, where there is a number; None is a field that has none
 
@@ -94,7 +94,10 @@ _editions = Editions()
 
 
 def _parts_of(model: Model) -> tuple[Any, ...]:
-    return tuple(leaves(model, kinds=True, number_as=lambda name, value: value if is_written_out(name, value) else _NUMBER))
+    parts = tuple(leaves(model, kinds=True, number_as=lambda name, value: value if is_written_out(name, value) else _NUMBER))
+    if not isinstance(getattr(model, "coordinates", None), tuple):
+        return parts
+    return (*parts, *machine_of(model).mechanics.natures)  # numbers decide which rows vary with the place
 
 
 _known_parts: OfFrozen[tuple[Any, ...]] = OfFrozen(_parts_of)

@@ -96,7 +96,7 @@ def _hit(parts: Assembly, i: int, rate: Sym, e: Sym) -> _Hit:
     struck, zero, one = m.struck(i), parts.m.graph.constant(0.0), parts.m.graph.constant(1.0)
     A, B, G = (m.lift(each) for each in (struck.across, struck.between, struck.along))
     w, gained = m.slips[i], -((1.0 + e) * rate)
-    forwards, backwards = (_per_impulse(parts, i, side) for side in (1.0, -1.0))
+    forwards, backwards = (m.lift(struck.steepness) * _per_impulse(parts, i, side) for side in (1.0, -1.0))
     holding = (w + B * gained / A) / (G - B * B / A)  # the impulse along that leaves no slip
     across = (gained + B * holding) / A
     side = graph.select(

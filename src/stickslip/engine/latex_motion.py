@@ -111,6 +111,7 @@ def _of_coordinates_joined(mechanics: Any) -> list[str]:
     for contact, index in zip(mechanics.touching, indices(mechanics.contacts), strict=True):
         if contact.keeps_height:
             N = symbol(subscripted("N", index), 0).expression
+            N = N / expression_of(contact.steepness(x))
             braked = [of - expression_of(up) * N for of, up in zip(braked, contact.heights_at(x), strict=True)]
     for row, force, brake in zip(mechanics.matrix(t, x), h, braked, strict=True):
         inertia = sum(

@@ -185,6 +185,11 @@ class AnyCoordinates(Mechanics):
         """Of each contact, whether its row varies with the place."""
         return tuple(contact.nature.varies for contact in self.touching)
 
+    @property
+    def natures(self) -> tuple[Any, ...]:
+        """What holds of each contact at any place."""
+        return tuple(contact.nature for contact in self.touching)
+
     def alike(self, other: Any) -> None:
         """Take from the same machine with plain numbers what holds of its contacts at any place."""
         for own, known in zip(self.touching, other.touching, strict=True):

@@ -77,13 +77,15 @@ class Struck(NamedTuple):
     across: Any  # n W n
     between: Any  # n W g
     along: Any  # g W g
+    steepness: Any  # impulse that presses for one that changes the height: 1 on flat ground
 
 
 def struck_at(mechanics: Any, i: int, q: Numbers) -> Struck:
     """The same for the point of a contact that keeps its height, at given coordinates."""
-    lever, row = lever_of(mechanics, mechanics.touching[i], q), mechanics.rows(0.0, q)[i]
-    moved = mechanics.loosely_pushed(0.0, q, row)
-    return Struck(lever.moved, moved, lever.own, total(map(product, lever.row, moved)), total(map(product, row, moved)))
+    contact, row = mechanics.touching[i], mechanics.rows(0.0, q)[i]
+    lever, moved = lever_of(mechanics, contact, q), mechanics.loosely_pushed(0.0, q, row)
+    between, along = (total(map(product, of, moved)) for of in (lever.row, row))
+    return Struck(lever.moved, moved, lever.own, between, along, contact.steepness(q))
 
 
 def rising_freely(mechanics: Any, i: int, t: Numeric, q: Numbers, u: Numbers, z: Numbers | None) -> Any:

@@ -206,6 +206,11 @@ class Mechanics(Protocol):
         """Of each contact, whether its row varies with the place."""
         return (False,) * len(self.contacts)
 
+    @property
+    def natures(self) -> tuple[Any, ...]:
+        """What holds of each contact at any place, where numbers decide it."""
+        return ()
+
     def alike(self, other: Any) -> None:
         """Take from the same machine with plain numbers what symbols do not tell."""
         return

@@ -1,7 +1,8 @@
 """A contact of a machine in coordinates of its own: what its slip takes of their rates, and along what normal its body is pressed.
 
-Both may vary with the place. A point of a body on the ground slips along x. Where coordinates let it leave the ground, the contact itself
-keeps its height, and the load is the force that this takes (`stickslip.models.kept_heights`).
+Both may vary with the place. A point of a body on the ground slips along x, on a curve z = c(x) along its tangent (1, c')/s with
+s^2 = 1 + c'^2. Where coordinates let it leave the ground, the contact itself keeps its height above it, z - c(x), and the load is the force
+that this takes (`stickslip.models.kept_heights`).
 """
 
 from __future__ import annotations
@@ -14,7 +15,9 @@ from typing import Any, NamedTuple
 from stickslip.basics.contracts import Numeric
 from stickslip.basics.fields import everywhere
 from stickslip.basics.maths import cos, sin, sqrt
+from stickslip.basics.time_rates import Moving
 from stickslip.models.linear_equations import is_nothing, product, total
+from stickslip.models.said_of_motion import moving
 from stickslip.models.several_bodies import prescribed_acceleration, prescribed_velocity
 
 Pair = tuple[Any, Any]
@@ -33,6 +36,14 @@ class Nature(NamedTuple):
     moves: tuple[int, ...]
     varies: bool
     along: tuple[bool, bool]
+
+
+class Incline(NamedTuple):
+    """A curve at a place: its slope, how that grows with x, and its length for each length of x."""
+
+    slope: Any
+    bend: Any
+    length: Any
 
 
 class PlacedContact:
@@ -54,6 +65,12 @@ class PlacedContact:
     def rubs_on_body(self) -> bool:
         """Whether it rubs on another body."""
         return isinstance(self.contact.on, str)
+
+    @property
+    def curve(self) -> Any:
+        """The height of the ground as a function of x; None where that is flat, or a body."""
+        on = self.contact.on
+        return on if callable(on) and not callable(getattr(on, "velocity", None)) else None
 
     @property
     def is_held(self) -> bool:
@@ -90,6 +107,8 @@ class PlacedContact:
         moves = tuple(j for j in range(n) if any(is_there(part) for at in ways for part in at[j]))
         follows = self.contact.hold == "both" and len(moves) == 1
         along = tuple(any(is_there(at[j][k]) for at in ways for j in moves) for k in range(2))
+        if self.curve is not None:  # whatever its numbers are
+            return Nature(moves, True, (along[0], along[1]))
         rows = [tuple(length_of(at[j], along) if follows else at[j][0] for j in moves) for at in ways]
         varies = any(is_there(a - b) for row in rows[1:] for a, b in zip(row, rows[0], strict=True))
         return Nature(moves, varies, (along[0], along[1]))
@@ -125,8 +144,23 @@ class PlacedContact:
         a, b = self._at
         return a * cos(angle) - b * sin(angle), a * sin(angle) + b * cos(angle)
 
+    def incline(self, q: Any) -> Incline:
+        """The slope of its curve at given coordinates, how that grows with x, and the length of the curve for each length of x."""
+        x, _ = self.in_space(self.mechanics.along(0.0, q))
+        there = moving(self.curve(Moving(x.value, 1.0)))
+        return Incline(there.rate, there.second, sqrt(1.0 + there.rate * there.rate))
+
+    def steepness(self, q: Any) -> Any:
+        """The length of its curve for each length of x; 1 on flat ground."""
+        return 1.0 if self.curve is None else self.incline(q).length
+
     def point(self, places: Any) -> tuple[Any, Any]:
-        """The point itself from places that move, against what it rubs on: x and z with two rates."""
+        """The point itself from places that move, against what it rubs on: x and z, or the height above a curve, with two rates."""
+        x, z = self.in_space(places)
+        return (x, z) if self.curve is None else (x, z - self.curve(x))
+
+    def in_space(self, places: Any) -> tuple[Any, Any]:
+        """The same in x and z."""
         own = places[self.contact.body]
         x, z = (*own, 0.0)[:2]
         ahead, up = self._turned(own[2]) if len(own) == 3 and self._off_the_axis else self._at
@@ -145,8 +179,9 @@ class PlacedContact:
         """The same at given coordinates."""
         if not self.of_body:
             return self.row
+        incline = None if self.curve is None else self.incline(q)
         return tuple(
-            0.0 if j not in self.nature.moves else length_of(way, self.nature.along) if self.follows else way[0]
+            0.0 if j not in self.nature.moves else length_of(way, self.nature.along) if self.follows else _along(way, incline)
             for j, way in enumerate(self.ways_at(q))
         )
 
@@ -154,7 +189,13 @@ class PlacedContact:
         """Rate of its slip while the coordinates' rates stay as they are, at given coordinates and places that move."""
         if not self.nature.varies:
             return 0.0
-        x, z = self.point(places)
+        x, z = self.in_space(places)
+        if self.curve is not None:
+            slope, bend, length = self.incline(q)
+            slip = (x.rate + product(slope, z.rate)) / length
+            turned = product(bend, x.rate)
+            gained = total([x.second, product(slope, z.second), product(turned, z.rate)]) / length
+            return total([gained, product(-1.0, product(product(slip, slope), turned)) / (length * length)])
         if not self.follows:
             return x.second
         ahead, up = self.ways_at(q)[self.nature.moves[0]]
@@ -162,7 +203,8 @@ class PlacedContact:
 
     def heights_at(self, q: Any) -> tuple[Any, ...]:
         """For each coordinate how it moves the point upwards."""
-        return tuple(way[1] if j in self.nature.moves else 0.0 for j, way in enumerate(self.ways_at(q)))
+        incline = None if self.curve is None else self.incline(q)
+        return tuple(_upwards(way, incline) if j in self.nature.moves else 0.0 for j, way in enumerate(self.ways_at(q)))
 
     def normal_at(self, q: Any) -> Pair:
         """The direction in which its body is pressed: upwards, or a quarter turn from the way along which it slips."""
@@ -174,11 +216,21 @@ class PlacedContact:
 
     def offset(self, t: Numeric) -> Any:
         """What the speed of a belt or a motion adds to the slip [m/s]."""
-        return 0.0 - prescribed_velocity(self.contact.on, t)
+        return 0.0 if self.curve is not None else 0.0 - prescribed_velocity(self.contact.on, t)
 
     def offset_rate(self, t: Numeric) -> Any:
         """Its rate [m/s^2]."""
         return 0.0 - prescribed_acceleration(self.contact.on, t)
+
+
+def _along(way: Pair, incline: Incline | None) -> Any:
+    """How far a point goes along x, or along a curve."""
+    return way[0] if incline is None else total([way[0], product(incline.slope, way[1])]) / incline.length
+
+
+def _upwards(way: Pair, incline: Incline | None) -> Any:
+    """How far it goes upwards, or from a curve."""
+    return way[1] if incline is None else total([way[1], product(-1.0, product(incline.slope, way[0]))])
 
 
 def _difference(a: Any, b: Any) -> Any:

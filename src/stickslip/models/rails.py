@@ -45,7 +45,7 @@ def reaction(mechanics: Any, i: int, t: Numeric, q: Numbers, u: Numbers, R: Numb
     """The force of a rail along its normal, or of a contact that keeps its height, under given friction forces [N]."""
     if mechanics.touching[i].keeps_height:
         contact, free = mechanics.touching[i], mechanics.loose_accelerations(t, q, u, R, z)
-        return normal_force(mechanics, contact, lever_of(mechanics, contact, q), t, q, u, free)
+        return product(contact.steepness(q), normal_force(mechanics, contact, lever_of(mechanics, contact, q), t, q, u, free))
     normal, slopes, moved = mechanics.touching[i].normal_at(q), mechanics.slopes(t, q), mechanics.moved(t, q, u)
     a, terms, pulled = mechanics.accelerations(t, q, u, R, z), [], shares(mechanics.placed_links, t, moved)
     for name in borne(mechanics, i):
@@ -66,8 +66,8 @@ def load_under(mechanics: Any, i: int, t: Numeric, q: Numbers, u: Numbers, R: Nu
 def yielding(mechanics: Any, i: int, t: Numeric, q: Numbers) -> Any:
     """How much of the force of a rail its friction of one newton takes."""
     if mechanics.touching[i].keeps_height:
-        taken = mechanics.loosely_pushed(t, q, mechanics.rows(t, q)[i])
-        return given_back(lever_of(mechanics, mechanics.touching[i], q), taken)
+        contact, taken = mechanics.touching[i], mechanics.loosely_pushed(t, q, mechanics.rows(t, q)[i])
+        return product(contact.steepness(q), given_back(lever_of(mechanics, contact, q), taken))
     normal, slopes = mechanics.touching[i].normal_at(q), mechanics.slopes(t, q)
     a, terms = mechanics.pushed(t, q, mechanics.rows(t, q)[i]), []
     for name in borne(mechanics, i):

@@ -15,7 +15,7 @@ from stickslip.basics.errors import InputError
 from stickslip.basics.status import Status
 from stickslip.dynamics.derivatives.tangents import jacobian_of
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_map
-from stickslip.maths import cos, sin
+from stickslip.maths import cos, sin, sqrt
 
 G = 9.81
 
@@ -276,3 +276,96 @@ def test_a_hopping_robot_has_orbits_in_the_coordinates_of_its_bodies():
     ends = [ss.periodic_orbit(stays.replace({"ratio": 1.5 + h}), guess=orbit).mean_velocity for h in (1e-4, -1e-4)]
     assert speed == pytest.approx((ends[0] - ends[1]) / 2e-4, rel=1e-6)
     assert ss.solve(ss.mirrored(stays), periods=40).mean_velocity == pytest.approx(-run.mean_velocity, rel=1e-13)
+
+
+@dataclass(frozen=True, eq=False)
+class Particle(Ball):
+    """The same particle on ground that is a curve."""
+
+    steep: float
+    radius: float
+    hold = "push"
+
+    def contacts(self):
+        ground = ss.Contact("ball", self.friction, hold=self.hold, restitution=self.restitution, on=self.ground)
+        return {"ground": ground}
+
+    def ground(self, x):
+        return self.steep * x
+
+
+class OnCircle(Particle):
+    """On top of a circle."""
+
+    def ground(self, x):
+        return sqrt(self.radius**2 - x**2)
+
+
+class OnWire(Particle):
+    """Held on both sides on the wire z = x^2/2, which may be drawn into it by a number that is 0 at first."""
+
+    hold = "both"
+
+    def contacts(self):
+        return {"wire": ss.Contact("ball", self.friction, hold=self.hold, on=lambda x: self.steep * x**2 / 2)}
+
+
+def test_a_particle_slides_and_bounces_down_an_incline_by_hand():
+    """a = g (sin - mu cos) and N = m g cos; thrown onto it, hits come after 2 e^n v/(g cos) with the speed v of the first across it."""
+    mu, tilt, e = 0.2, np.arctan(0.5), 0.4
+    still = agrees(Particle(ss.Coulomb(mu, mu), 0.0, -0.5, 1.0), {"x": {}, "v": {}}, 1.0)
+    way = 0.5 * G * (np.sin(tilt) - mu * np.cos(tilt))
+    assert np.allclose(still.x[-1], [way * np.cos(tilt), -way * np.sin(tilt)], rtol=0, atol=1e-13)
+    assert np.allclose(still.load, 0.5 * G * np.cos(tilt), rtol=1e-14)
+    run = agrees(Particle(ss.Coulomb(mu, mu), e, -0.5, 1.0), {"x": {"z": 0.5}, "v": {}}, 1.0)
+    fall = np.sqrt(2 * 0.5 / G)
+    times, n = [event.t for event in run.events], np.arange(len(run.events))
+    assert len(n) > 15 and np.allclose(times, fall * (1 + 2 * e * (1 - e**n) / (1 - e)), rtol=0, atol=1e-13)
+
+
+def test_a_particle_leaves_a_circle_where_the_textbook_says():
+    """From the top with a speed v: at cos a = 2/3 + v^2/(3 g R), without friction."""
+    first, radius = 1.0, 0.8
+    ball = OnCircle(ss.Coulomb(0.0, 0.0), 0.0, 0.0, radius)
+    run = agrees(ball, {"x": {"z": radius}, "v": {"x": first}}, 0.5)
+    (off,) = run.events
+    place = run.at([off.t])["x"][0]
+    assert off.kind == "take-off" and place[1] / radius == pytest.approx(2 / 3 + first**2 / (3 * G * radius), abs=1e-12)
+    assert np.hypot(*place) == pytest.approx(radius, abs=1e-14) and run.load[-1, 0] == 0.0 and np.hypot(*run.x[-1]) > radius
+
+
+def test_a_particle_that_is_held_on_a_curve_is_the_bead_of_one_coordinate():
+    """Numbers decide whether a row varies: one that is zero in the first machine of a kind says nothing of the next."""
+    law, start = ss.Coulomb(0.2, 0.2), {"x": {"x": -1.0, "z": 0.5}, "v": {}}
+    flat = ss.solve(OnWire(law, 0.0, 0.0, 1.0), duration=0.5, start={"x": {}, "v": {"x": 1.5}})
+    assert flat.x[-1, 0] == pytest.approx(1.5 * 0.5 - 0.1 * G * 0.25, abs=1e-14)
+    run = agrees(OnWire(law, 0.0, 1.0, 1.0), start, 2.5)
+    assert [event.kind for event in run.events] == ["reversal", "stick"]
+    assert np.max(abs(run.x[:, 1] - run.x[:, 0] ** 2 / 2)) < 1e-14
+
+
+@dataclass(frozen=True, eq=False)
+class OffAxis(Rod):
+    """A rod on a rail by a point that may lie in its middle."""
+
+    def contacts(self):
+        return {"foot": ss.Contact("rod", self.friction, at=(-self.restitution, 0.0), hold="both")}
+
+
+def test_a_point_in_the_middle_of_one_machine_is_beside_it_in_the_next():
+    """Whether its row varies with the angle belongs to the kind: the second machine had the equations of the first."""
+    law, at = ss.Coulomb(0.2, 0.2), 0.5
+    ss.solve(OffAxis(0.5, law, 0.0), duration=0.1, start={"x": {"angle": 1.0}, "v": {"x": 1.0}})
+    agrees(OffAxis(0.5, law, at), {"x": {"z": at * np.sin(1.0), "angle": 1.0}, "v": {"x": 1.0}}, 0.3)
+
+
+@each_row(
+    "changed",
+    [
+        {"contacts": lambda self: {"g": ss.Contact("ball", self.friction, load=1.0, on=self.ground)}},
+        {"coordinates": ("x",), "places": lambda self, t, q: {"ball": (q["x"], 0.0)}},
+    ],
+)
+def test_a_curve_is_ground_of_a_point_that_can_leave_it(changed):
+    with pytest.raises(InputError, match=r"a curve z\(x\) is the ground of a point"):
+        type("Other", (Particle,), changed)(ss.Coulomb(0.1, 0.1), 0.0, 0.1, 1.0)

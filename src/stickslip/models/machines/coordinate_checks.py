@@ -190,7 +190,7 @@ def _check_rail(m: AnyCoordinates, i: int, problems: Problems) -> None:
     elif m.touching[i].rubs_on_body and loose(m) != [given.on]:
         others = ", ".join(repr(name) for name in loose(m) if name != given.on)
         problems.add(f"{where}: what bears {others} is not known; {type_load}")
-    if given.on is not None and not isinstance(given.on, str):
+    if given.on is not None and not isinstance(given.on, str) and m.touching[i].curve is None:
         problems.add(f"{where}.on = {given.on!r}; a load that follows from the motion is solved for on rails that do not move; {type_load}")
     if law.dynamic:
         problems.add(f"{where}: {law.name} has inner states, and its friction and its load would follow from one another; {type_load}")
@@ -209,6 +209,11 @@ def _check_row(name: str, contact: PlacedContact, problems: Problems) -> None:
         against = "it against what it rubs on" if contact.of_body else "it"
         problems.add(
             f'{where}: no coordinate moves {against}, so that nothing decides its slip; type ss.Contact({{"x": 1.0}}, law, load=1.0)'
+        )
+    elif contact.curve is not None and not contact.keeps_height:
+        problems.add(
+            f"{where}.on = {given.on!r}; a curve z(x) is the ground of a point that coordinates can lift off it, with hold= and without "
+            "load=; where one coordinate moves it, places() says the way; leave on out"
         )
     elif contact.pushes and not contact.keeps_height:
         problems.add(

@@ -239,7 +239,9 @@ def _on(on: Any) -> Any:
     """The counterpart of a contact in the mirror image: a belt or a prescribed motion is reversed."""
     if on is None or isinstance(on, str):
         return on
-    return _TurnedMotion(on) if callable(getattr(on, "velocity", None)) else -on
+    if callable(getattr(on, "velocity", None)):
+        return _TurnedMotion(on)
+    return (lambda x: on(-x)) if callable(on) else -on
 
 
 def _ends(ends: tuple[Any, Any]) -> Any:

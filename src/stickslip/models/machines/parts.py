@@ -84,8 +84,9 @@ class Contact(Frozen):
     friction : law
         Any friction law; it receives the slip velocity, that of the body minus that of the opposing surface.
     on : optional
-        The opposing surface: the track if not given; the name of another body; the speed of a belt [m/s]; or a motion, which has
-        `position(t)`, `velocity(t)` and `acceleration(t)` as every drive has.
+        The opposing surface: the track if not given; the name of another body; the speed of a belt [m/s]; a motion, which has
+        `position(t)`, `velocity(t)` and `acceleration(t)` as every drive has; or with `hold` the height of the ground as a function of x,
+        ``on=lambda x: 0.1 * x``, an incline or a curve.
     load : float or callable, optional
         Normal force [N], never negative: a number, or a function of time [s]; of time and position of the body [m]; of these and of its
         velocity [m/s]; or of these and the forces of the instant [N]: ``lambda t, x, v, forces: 1.0 + 0.1 * abs(forces["motor"])``. With
@@ -103,8 +104,9 @@ class Contact(Frozen):
         The point of the body in its own axes, from its place [m], where `places` gives an angle.
     hold : optional
         "both": a rail that holds the body on both sides, so that it slips along the way that its one coordinate leaves it, or along x.
-        "push": ground at z = 0 that pushes the point and does not pull it; where the load falls to zero a run ends, or with `restitution`
-        the point takes off and lands again. The load follows from the motion in both cases. For machines with `places`.
+        "push": ground, at z = 0 if `on` says no other, that pushes the point and does not pull it; where the load falls to zero a run
+        ends, or with `restitution` the point takes off and lands again. The load follows from the motion in both cases. For machines
+        with `places`.
 
     Examples
     --------

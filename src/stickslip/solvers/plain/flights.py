@@ -74,7 +74,7 @@ def _hit(e: Equations, t: float, q: list[float], u: list[float], i: int, speed: 
     A = np.zeros((n + 2, n + 2))
     A[:n, :n], A[:n, n], A[:n, n + 1], A[n, :n] = M, -up, g, up
     right = np.append(M @ before, [float(up @ before) + (1.0 + restitution) * speed, 0.0])
-    per_load = {side: float(e.laws[i].sliding(held(w, side), 1.0)) for side in (1, -1)}
+    per_load = {side: e.own.steepness(i, shape) * float(e.laws[i].sliding(held(w, side), 1.0)) for side in (1, -1)}
     for side in (0, 1, -1):
         A[n + 1], right[n + 1] = 0.0, 0.0 if side else -still
         if side:

@@ -24,10 +24,26 @@ def rubbing(contact: Any, places: dict[str, list[Jet]], n: int) -> tuple[Jet, Je
     """The point of a contact, against the body that it rubs on."""
     own = places[contact.body]
     x, z = point(own, contact.at or (0.0, 0.0)) if len(own) > 1 else (own[0], lifted(0.0, n))
+    if curve_of(contact) is not None:
+        z = z - lifted(contact.on(x), n)
     if isinstance(contact.on, str):
         other = places[contact.on]
         x, z = x - other[0], z - (other[1] if len(other) > 1 else 0.0)
     return x, z
+
+
+def curve_of(contact: Any) -> Any:
+    """The ground as a function of x, if it is one."""
+    return contact.on if callable(contact.on) and not callable(getattr(contact.on, "velocity", None)) else None
+
+
+def slope_of(contact: Any, x: Any) -> tuple[float, float, float]:
+    """The slope of the ground at x, its derivative, and the length of the ground for each length of x."""
+    if curve_of(contact) is None:
+        return 0.0, 0.0, 1.0
+    there = lifted(contact.on(Jet(float(x), [1.0], 1.0, 0.0)), 1)
+    slope, bend = float(there.slopes[0]), float(there.second)
+    return slope, bend, (1.0 + slope * slope) ** 0.5
 
 
 def point(of_body: list[Jet], at: tuple[Any, Any]) -> tuple[Jet, Jet]:

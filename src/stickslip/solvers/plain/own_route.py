@@ -18,7 +18,7 @@ from stickslip.models.friction.law_adapter import TINY
 from stickslip.models.link_ends import body_of
 from stickslip.solvers.plain.jets import Jet, coordinates, lifted
 from stickslip.solvers.plain.kinks import Watching, noting
-from stickslip.solvers.plain.own_places import Apart, Floats, apart_of, rubbing, solution
+from stickslip.solvers.plain.own_places import Apart, Floats, apart_of, curve_of, rubbing, slope_of, solution
 
 _KEPT = 6  # states that are remembered
 _NOTHING = 1e-12  # of its largest slope: a slope that is none
@@ -159,6 +159,11 @@ class OwnRoute:
         touching = [i for i, kind in enumerate(self._kinds) if kind == "kept" and i not in aloft]
         return {i: 0.0 if shape is None else self._upwards(i, shape).second for i in touching}
 
+    def steepness(self, i: int, shape: _Shape) -> float:
+        """The force that presses for one that changes the height."""
+        point = shape.slips[i].point
+        return 1.0 if point is None else slope_of(self.given[i], point[0].value)[2]
+
     def _upwards(self, i: int, shape: _Shape) -> Jet:
         point = shape.slips[i].point
         assert point is not None
@@ -180,7 +185,8 @@ class OwnRoute:
         row = state.shape.slips[i].row
         if self._kinds[i] == "kept":
             free = self._moved(state.shape, state.h, self._keeping(frozenset(), state.shape))[1][i]
-            return free, -self._moved(state.shape, [-g for g in row], self._keeping(frozenset()))[1][i]
+            s = self.steepness(i, state.shape)
+            return s * free, -s * self._moved(state.shape, [-g for g in row], self._keeping(frozenset()))[1][i]
         need, by = self._needed(i, state)
         free = need + sum(c * a for c, a in zip(by, solution(state.shape.M, state.h), strict=True))
         return free, sum(c * a for c, a in zip(by, solution(state.shape.M, row), strict=True))
@@ -209,6 +215,12 @@ class OwnRoute:
         if not kind:
             return _Slip([float(g) for g in self.mechanics.touching[i].row], 0.0, None)
         x, z = rubbing(contact, places, n)
+        if curve_of(contact) is not None:
+            slope, bend, length = slope_of(contact, x.value)
+            up = z + lifted(contact.on(x), n)
+            w = (x.rate + slope * up.rate) / length
+            bias = (x.second + slope * up.second + bend * x.rate * up.rate) / length - w * slope * bend * x.rate / length**2
+            return _Slip([(a + slope * b) / length for a, b in zip(x.slopes, up.slopes, strict=True)], bias, (x, z))
         if kind != "along":
             return _Slip(list(x.slopes), x.second, (x, z))
         j = max(range(n), key=lambda j: float(x.slopes[j]) ** 2 + float(z.slopes[j]) ** 2)
