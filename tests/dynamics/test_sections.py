@@ -255,7 +255,7 @@ def test_a_section_of_a_driven_machine_or_of_what_drifts_along_or_a_switch_that_
         (robot, dict(turns=2), "turns is given, and the model has a period"),
         (pulled, dict(section="x"), "which goes on with the spring's far end"),
         (pulled, dict(turns=0), "turns = 0"),
-        (TwoBlocks(0.33, Weakening()), dict(section="stick of c"), "no switch of a contact; did you mean 'stick of"),
+        (TwoBlocks(0.33, Weakening()), dict(section="stick of c"), "no switch; did you mean 'stick of"),
         (COULOMB, dict(section=("slip of contact", 0.1)), "a switch has neither value nor direction; type section='slip of contact'"),
         (
             replace(COULOMB, friction=ss.LuGre(1.0, 1.0, 1.5, 1.5, sigma0=1e3, sigma1=10.0, sigma2=0.0, v_s=0.2)),

@@ -110,20 +110,45 @@ def test_a_section_is_chosen_or_named():
     assert strobe_map(POL, state, 1, at=twice).duration[0] == pytest.approx(2 * cycle()[0], rel=1e-9)
 
 
+def test_a_switch_is_a_section_too():
+    """The instants of guards are exact: cycles begin right behind them, with the durations and exponents of other sections."""
+    T, v, multiplier = cycle()
+    hit = ss.periodic_orbit(POL, section="0 to 0")
+    assert (hit.period, len(hit.events)) == (1, 1) and hit.duration == pytest.approx(T, rel=1e-11)
+    assert hit.state == pytest.approx([GAP, v], abs=1e-11) and hit.multipliers == pytest.approx([multiplier], abs=1e-8)
+    spectrum = ss.lyapunov(POL, periods=30, settle=20, section="0 to 0", turns=2).spectrum
+    assert spectrum == pytest.approx([0.0, np.log(multiplier) / T], abs=1e-8)
+    (only,) = ss.basins(POL, x=[0.5], v=[0.0, 1.0], settle=40, section="0 to 0").attractors
+    assert only.orbit.state == pytest.approx([GAP, v], abs=1e-9)
+    branch = ss.continuation(POL, parameter="r", start=0.5, stop=0.6, section="0 to 0", step=0.5)
+    np.testing.assert_allclose([orbit.state[0] for orbit in branch.orbits], GAP, atol=1e-12)
+    assert branch.at(0.6).state == pytest.approx([GAP, v], abs=1e-9)
+    leaves = ss.periodic_orbit(HUNT, guess={"prey": 1.0, "predator": 0.5}, section="slides to hunted")
+    assert leaves.mode == "hunted" and leaves.duration == pytest.approx(_hunted_cycle(), rel=1e-10)
+    with pytest.raises(ss.StickslipError, match="the cycle has no 'free to hunted'; its modes are slides, hunted"):
+        ss.periodic_orbit(HUNT, guess=leaves, section="free to hunted")
+    foot = ss.machines.FlowContact(lambda t, y: y[1] - 0.1, ss.Coulomb(1.0, 1.0, f_plus=1.5, f_minus=1.5), load=1.0)
+    block = ss.SwitchingFlow(lambda t, y, R: (y[1], -2.0 * y[0] - R.belt), states=("x", "v"), contacts={"belt": foot})
+    for name, x in (("stick of belt", 0.25), ("slip of belt", 0.75), ("belt0 to belt-", 0.75)):
+        assert ss.periodic_orbit(block, guess={"x": 1.0}, section=name).state == pytest.approx([x, 0.1], abs=1e-12)
+        assert ss.lyapunov(block, periods=20, settle=5, start={"x": 1.0}, section=name).spectrum[0] == pytest.approx(0.0, abs=1e-9)
+
+
 FORCED = ss.SwitchingFlow({0: _swing}, period=1.0, numbers={"mu": 1.0}, states=("x", "v"))
 
 
 @each_row(
     "flow, more, said",
     [
-        (POL, dict(section="w"), "section = 'w': 'w' is not a name of the state; "),
+        (POL, dict(section="w"), "section = 'w': 'w' is not a name of the state, and no switch; known: x, v, 0 to 0"),
         (POL, dict(section=("v", float("nan"))), "allowed are a finite value, and as a direction 1"),
         (POL, dict(section=("v", 0.0, 2)), "allowed are a finite value, and as a direction 1"),
+        (POL, dict(section=("0 to 0", 1.0)), "a switch has neither value nor direction; type section='0 to 0'"),
         (POL, dict(section=3), "allowed is a name of the state, alone or with a value"),
         (POL, dict(turns=0), "turns = 0"),
         (FORCED, dict(section="v"), "section is given, and the model has a period"),
     ],
-    ids=["name", "value", "direction", "not a name", "turns", "period"],
+    ids=["name", "value", "direction", "switch", "not a name", "turns", "period"],
 )
 def test_what_is_no_section_is_said(flow, more, said):
     with pytest.raises(ss.InputError) as error:

@@ -18,6 +18,7 @@ from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.basics.fields import floats
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.maths import bisected
+from stickslip.models.flow_contacts import resting_contacts
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.model_adapter import adapter_of
 
@@ -55,7 +56,7 @@ class Cut:
 class Asked:
     """A section as it was asked for: a name alone, or with a value, or with a direction too; all None: the choice is free.
 
-    A switch of a contact is a name alone, such as "stick of block", and `switch` says so.
+    A switch is a name alone, of a contact "stick of block", of a flow "free to hunted", and `switch` says so.
     """
 
     name: str | None = None
@@ -65,7 +66,7 @@ class Asked:
 
 
 def asked_of(what: str, section: Any, names: tuple[str, ...], switches: tuple[str, ...] = ()) -> Asked:
-    """A section as users type it: a name of a state, (name, value) or (name, value, direction); or a switch of a contact.
+    """A section as users type it: a name of a state, (name, value) or (name, value, direction); or a switch of a contact or a flow.
 
     Examples
     --------
@@ -86,7 +87,7 @@ def asked_of(what: str, section: Any, names: tuple[str, ...], switches: tuple[st
         if name.partition(" of ")[0] in SWITCHES and not switches:
             why = "none of its contacts rests exactly: under a law with a rate they never stick"
             raise InputError(what, [f"section = {section!r}: {why}; name a state; {did_you_mean(name, names)}; {_TYPE}"])
-        neither = " is not a name of the state" + ", and no switch of a contact" * bool(switches)
+        neither = " is not a name of the state" + ", and no switch" * bool(switches)
         raise InputError(what, [f"section = {section!r}: {name!r}{neither}; {hint}"])
     numbers = floats(rest) if rest else np.zeros(0)
     if not np.all(np.isfinite(numbers)) or (len(numbers) > 1 and numbers[1] not in (-1.0, 1.0)):
@@ -110,11 +111,35 @@ def contact_names(model: Any) -> tuple[str, ...]:
 
 
 def switch_names(model: Any) -> tuple[str, ...]:
-    """The switches of contacts by which a section may be cut: those of contacts that rest exactly."""
-    if not adapter_of(model).has_bodies:
-        return ()
-    rests = [name for name, law in zip(contact_names(model), machine_of(model).laws, strict=True) if not law.dynamic]
-    return tuple(f"{kind} of {name}" for name in rests for kind in SWITCHES)
+    """The switches by which a section may be cut: those of contacts that rest exactly, and of a flow from one mode to another."""
+    adapter = adapter_of(model)
+    if adapter.has_bodies:
+        own = zip(contact_names(model), adapter.laws, strict=True)
+        return tuple(f"{kind} of {name}" for name, law in own if not law.dynamic for kind in SWITCHES)
+    rests = resting_contacts(model.contacts, *model.given_once)
+    changes = [f"{a} to {b}" for a in model.modes for b in model.modes if a != b or model.switches.get(model.labels[a][0])]
+    return (*(f"{kind} of {name}" for name in rests for kind in SWITCHES), *changes)
+
+
+def modes_passed(flow: Any, name: str) -> tuple[list[bool], list[bool]]:
+    """Of each mode of a flow whether a switch of this name may come from it, and whether it may lead to it.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> hit = ss.Switch(lambda t, y: y[0], "up", lambda t, y: (0.0, -y[1]))
+    >>> fall = lambda t, y: (y[1], -9.81)
+    >>> modes_passed(ss.SwitchingFlow({"down": fall, "up": fall}, {"down": (hit,)}), "down to up")
+    ([True, False], [False, True])
+    """
+    kind, _, contact = name.partition(" of ")
+    rests = resting_contacts(flow.contacts, *flow.given_once)
+    if kind in SWITCHES and contact in rests:
+        still = [sides[rests.index(contact)] == 0 for _, sides in flow.labels.values()]
+        moves = [not each for each in still]
+        return (moves, still) if kind == "stick" else (still, moves)
+    pairs = [(a, b) for a in flow.modes for b in flow.modes if f"{a} to {b}" == name]
+    return [any(a == mode for a, _ in pairs) for mode in flow.modes], [any(b == mode for _, b in pairs) for mode in flow.modes]
 
 
 def switches_in(run: Any, name: str) -> Array:

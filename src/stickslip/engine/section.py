@@ -4,16 +4,21 @@ The weights, the value and the number of returns are numbers of the case, so one
 that begins on the section, or beyond it, has to fall below it first: what it begins with is no return. The section changes nothing else
 of the system.
 
-Another section is a switch of a contact that rests exactly: it sticks, or slips. The states there are those after the switch.
+Another section is a switch of a contact that rests exactly: it sticks, or slips; or a switch of a flow, from some of its modes to others.
+The states there are those after the switch.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 
 from stickslip.basics.status import Status
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import System, TracedSwitch
+
+_AT_ONCE = 1e-12  # of the longest time of a run: a switch before is one with which it begins
 
 #: The numbers of a case that are the value on the section, and after how many returns its run ends.
 VALUE, RETURNS = "section value", "section returns"
@@ -119,3 +124,55 @@ def until_switch(system: System) -> System:
         first_modes=(*system.first_modes, begins, zero),
         switches={k: extended(switch) for k, switch in system.switches.items()} | {len(system.guards): last},
     )
+
+
+def passes_of(number: int, which: str) -> str:
+    """The name of the number of a case that is 1 where switches "from" a flow's mode count, or "to" it."""
+    return f"section {which} mode {number}"
+
+
+@cache
+def until_mode_change(count: int) -> Callable[[System], System]:
+    """What makes of a flow with so many modes one that ends where it has switched so many times from some of its modes to some others.
+
+    Which modes are numbers of the case. A switch with which a run begins is no return.
+
+    Examples
+    --------
+    >>> from stickslip.engine.flow_system import flow_system
+    >>> from stickslip.models.switching_flow import Switch, SwitchingFlow
+    >>> ball = SwitchingFlow({0: lambda t, y: (y[1], -9.81)}, {0: (Switch(lambda t, y: y[0], 0, lambda t, y: (0.0, -y[1])),)})
+    >>> until_mode_change(1)(flow_system(ball, 2).system).names[-3:]
+    ('section from mode 0', 'section to mode 0', 'section returns')
+    """
+
+    def made(system: System) -> System:
+        graph, n = system.graph, len(system.modes)
+        one, zero, half = graph.constant(1.0), graph.constant(0.0), graph.constant(0.5)
+        weights = {which: [graph.case(passes_of(k, which)) for k in range(count)] for which in ("from", "to")}
+        returns = graph.mode(f"mode{n}")
+        later = graph.select(system.t - graph.constant(_AT_ONCE) * system.period, one, zero)
+
+        def counts(which: str, number: Sym) -> Sym:
+            value = weights[which][0]
+            for k in range(1, count):
+                value = graph.select(number - graph.constant(k + 0.5), weights[which][k], value)
+            return value
+
+        def extended(switch: TracedSwitch) -> TracedSwitch:
+            if switch.modes[1] is system.modes[1]:  # it only remembers something
+                return replace(switch, modes=(*switch.modes, returns))
+            passed = counts("from", system.modes[0]) * counts("to", switch.modes[0])
+            return replace(switch, modes=(*switch.modes, returns + later * passed))
+
+        last = TracedSwitch((*system.modes, returns), (None,) * system.states, Status.RETURNED)
+        return replace(
+            system,
+            names=(*system.names, *(weight.name for each in weights.values() for weight in each), RETURNS),
+            guards=(*system.guards, graph.case(RETURNS) - half - returns),
+            modes=(*system.modes, returns),
+            first_modes=(*system.first_modes, zero),
+            switches={k: extended(switch) for k, switch in system.switches.items()} | {len(system.guards): last},
+        )
+
+    return made

@@ -18,7 +18,7 @@ from stickslip.engine.flow_as_written import check_flow_as_written, first_of
 from stickslip.engine.flow_system import BEGIN, MOST, SIZE, FlowSystem, TracedFlow, flow_system
 from stickslip.engine.kinds import Editions
 from stickslip.engine.remembered import Remembered
-from stickslip.engine.section import RETURNS, VALUE, until_section, weight_of
+from stickslip.engine.section import RETURNS, VALUE, passes_of, until_mode_change, until_section, weight_of
 from stickslip.engine.symbolic import SPAN
 from stickslip.engine.tableaux import RODAS5P as _STIFF
 from stickslip.engine.tangent import tangent
@@ -322,8 +322,19 @@ class FlowReturns:
     duration: Array
 
 
+def passing_a_value(which: int, direction: float, value: Array, states: int) -> tuple[Any, dict[str, Any]]:
+    """What makes a flow end where a state, of so many, passes a value, rising (1) or falling (-1), and the numbers of the cases."""
+    return until_section, {weight_of(i): direction if i == which else 0.0 for i in range(states)} | {VALUE: direction * value}
+
+
+def switching(passed: tuple[list[bool], list[bool]]) -> tuple[Any, dict[str, Any]]:
+    """What makes a flow end where it switches from some of its modes to some others, and the numbers of the cases."""
+    numbers = {passes_of(k, which): float(counts) for which, of in zip(("from", "to"), passed, strict=True) for k, counts in enumerate(of)}
+    return until_mode_change(len(passed[0])), numbers
+
+
 def returned(
-    flow: SwitchingFlow, states: Array, modes: Array, section: tuple[int, float, Array], returns: int, longest: Array
+    flow: SwitchingFlow, states: Array, modes: Array, section: tuple[Any, dict[str, Any]], returns: int, longest: Array
 ) -> FlowReturns:
     """The states and modes of many starts after some returns to a section, side by side.
 
@@ -331,17 +342,16 @@ def returned(
     ----------
     flow, states, modes
         As for `ends`.
-    section : (int, float, array (cases,))
-        Which state passes a value, rising (1) or falling (-1), and the value.
+    section : (callable, dict)
+        As `passing_a_value` or `switching` has it.
     returns : int
         How often.
     longest : array (cases,)
         How long each is followed if it does not come back.
     """
-    n, (which, direction, value) = states.shape[1], section
-    equations, kernel, names = flow_kernel(traced_flow(flow, n), False, until_section)
-    more = {weight_of(i): direction if i == which else 0.0 for i in range(n)} | {VALUE: direction * value, RETURNS: float(returns)}
-    rows = flow_row(flow, equations, names, states, longest, 0.0, MOST_SWITCHES * returns, more)
+    n, (made, numbers) = states.shape[1], section
+    equations, kernel, names = flow_kernel(traced_flow(flow, n), False, made)
+    rows = flow_row(flow, equations, names, states, longest, 0.0, MOST_SWITCHES * returns, numbers | {RETURNS: float(returns)})
     start = np.column_stack([np.zeros(len(states)), states, np.where(modes < 0, modes, 1.0 + modes)])
     result = lanes.run(kernel, np.ascontiguousarray(rows), start, lanes.Job(1, 0, False, TOLERANCE, 0.75, budget_of_flow(flow) * returns))
     back = result.status == Status.RETURNED

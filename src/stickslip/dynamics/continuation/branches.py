@@ -26,6 +26,7 @@ from stickslip.dynamics.continuation.following.traced_branch import BranchTrace,
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.continuation.special_points.accuracy import Special
 from stickslip.dynamics.continuation.special_points.own_events import Event, checked_events
+from stickslip.dynamics.flows.flow_cycles import at_its_switch as flow_at_its_switch
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle, at_its_switch
 from stickslip.dynamics.periodic.periodic_orbits import RTOL, PeriodicOrbit, periodic_orbit
 from stickslip.models.machine_adapter import machine_of
@@ -59,7 +60,7 @@ class Branch(Drawn):
     events : dict
         User-defined events by name: functions of an orbit, whose zeros are special points of that name.
     switch : str, optional
-        The switch of a contact at which its cycles are shown, such as "stick of block", where that was asked for.
+        The switch at which its cycles are shown, such as "stick of block", where that was asked for.
 
     Examples
     --------
@@ -305,11 +306,11 @@ def continuation(
 
 
 def _at_switches(branch: Branch, name: str) -> Branch:
-    """A branch of cycles as they begin where a contact sticks, or slips; a cycle in which it does not is as it was, and says so."""
+    """A branch of cycles as they begin at a switch; a cycle in which it does not happen is as it was, and says so."""
 
     def shown(cycle: Any) -> Any:
         try:
-            return at_its_switch(cycle, name)
+            return (at_its_switch if adapter_of(cycle.model).has_bodies else flow_at_its_switch)(cycle, name)
         except SolveError as error:
             return replace(cycle, notes=(*cycle.notes, str(error)))
 

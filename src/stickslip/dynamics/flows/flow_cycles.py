@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.analysis.section_choice import asked_for
+from stickslip.analysis.section_choice import asked_for, modes_passed
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import SolveError
 from stickslip.dynamics.flows.flow_orbits import FlowOrbit, closed_once, multipliers_of_passage, touches
@@ -18,6 +18,7 @@ from stickslip.dynamics.stroboscopic.chosen_sections import LONGEST_CYCLE, on_se
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, strobe_map, strobe_points
 from stickslip.solvers.plain.composed_flows import mode_of_strobe_state
 
+_JUST_AFTER = 1e-12  # of a cycle: rounding must not leave out the switch with which it ends
 _SETTLING, _LOOKED = 60, 33  # returns before the cycle is looked for, and as many as are looked at
 
 
@@ -29,8 +30,12 @@ def cycle_of_flow(flow: Any, state: Array, took: float, at: Coordinates) -> Flow
     SolveError
         Where Newton's method finds none.
     """
-    orbit = closed_once(flow, state[:-1], mode_of_strobe_state(flow, state), took)
-    return on_its_section(orbit, at)
+    y, mode = state[:-1], mode_of_strobe_state(flow, state)
+    if not at.section.is_switch:
+        return on_its_section(closed_once(flow, y, mode, took), at)
+    first = passage(flow, y, mode, took, switches=1).time
+    between = passage(flow, y, mode, 0.5 * min(first, took))  # not at a switch, but half way to the next
+    return at_its_switch(closed_once(flow, between.state, between.mode, took), at.section.name)
 
 
 def on_its_section(orbit: FlowOrbit, at: Coordinates) -> FlowOrbit:
@@ -48,6 +53,30 @@ def on_its_section(orbit: FlowOrbit, at: Coordinates) -> FlowOrbit:
     turns = 1 + int(np.argmin(abs(times - orbit.duration)))
     section = Section(at.section.index, float(at.section.value))
     return replace(cycle_at(flow, begun, orbit.duration, residual, section, turns), notes=orbit.notes)
+
+
+def at_its_switch(orbit: FlowOrbit, name: str, period: int | None = None) -> FlowOrbit:
+    """A cycle as it begins behind a switch from one mode to another; its period is how often that happens.
+
+    Raises
+    ------
+    SolveError
+        Where it does not happen, and where the cycle does not repeat after the period that is asked for.
+    """
+    flow = orbit.model
+    before, after = (dict(zip(flow.modes, of, strict=True)) for of in modes_passed(flow, name))
+    passed = [k for k, (_, a, b) in enumerate(orbit.passage.events) if before[a] and after[b]]
+    if not passed:
+        raise SolveError(f"the cycle has no {name!r}; its modes are {', '.join(map(str, orbit.pattern))}; give another section")
+    turns, notes = len(passed), orbit.notes
+    if period is not None and period % turns:
+        raise SolveError(f"the cycle repeats after {turns} times {name!r}, and {period} were asked for; leave the period and turns out")
+    if period is not None and period > turns:
+        notes = (f"it repeats after {turns} of the {period} turns that were asked for", *notes)
+    begun = passage(flow, orbit.state, orbit.mode, orbit.duration, switches=passed[0] + 1)
+    around = passage(flow, begun.state, begun.mode, orbit.duration * (1.0 + _JUST_AFTER))
+    usual = orbit.strobe_state if orbit.on_section is None else orbit.on_section
+    return replace(orbit, state=begun.state, mode=begun.mode, passage=around, turns=turns, notes=notes, on_section=usual)
 
 
 def cycle_at(flow: Any, strobe_state: Array, duration: float, residual: float, section: Section, turns: int) -> FlowOrbit:
@@ -71,9 +100,11 @@ def cycle_shown(flow: Any, period: int | None, guess: Any, section: Any = None) 
         As for `periodic_orbit`.
     """
     at, asked = coordinates(flow), asked_for("periodic_orbit", section, flow)
+    if asked.switch:
+        return at_its_switch(cycle_shown(flow, None, guess), str(asked.name), period)
     if isinstance(guess, FlowOrbit):
-        looked = on_section(flow, at, section=section, states=guess.strobe_state[None, :], what="periodic_orbit")
-        return cycle_of_flow(flow, guess.strobe_state, guess.duration, looked)
+        looked = on_section(flow, at, section=section, states=guess.section_state[None, :], what="periodic_orbit")
+        return cycle_of_flow(flow, guess.section_state, guess.duration, looked)
     begun = states_of(guess, flow)
     shown = shown_by_a_run(flow, at, asked, begun, only=guess is not None)
     if not shown.oscillates:

@@ -56,6 +56,8 @@ class FlowOrbit(Repeating):
         Of a flow without a period: returns to the section on which it begins.
     section : Section or None
         That section, where it is known.
+    on_section : array, optional
+        The strobe state there, where the orbit is shown from a switch (``section="free to hunted"``).
 
     Examples
     --------
@@ -75,6 +77,12 @@ class FlowOrbit(Repeating):
     model: Any = None
     turns: int = 1
     section: Any = None
+    on_section: Any = None
+
+    @property
+    def section_state(self) -> Array:
+        """The state by which it is followed, also where it is shown from a switch."""
+        return self.strobe_state if self.on_section is None else np.asarray(self.on_section)
 
     @property
     def names(self) -> tuple[str, ...]:

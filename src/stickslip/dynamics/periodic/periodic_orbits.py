@@ -232,8 +232,8 @@ def periodic_orbit(
         between the points of a period-doubled one).
     section : str or tuple, optional
         Of models without a period, where the cycle begins and its turns are counted: the name of a state, alone or with the value that it
-        passes and the direction (1 rises, -1 falls), such as ``("v", 0.0, -1)``; or a contact's switch, such as ``"stick of block"``.
-        If not given, what the run shows.
+        passes and the direction (1 rises, -1 falls), such as ``("v", 0.0, -1)``; or a switch of a contact, such as ``"stick of block"``,
+        or of a flow, from one mode to another, such as ``"free to hunted"``. If not given, what the run shows.
     turns : int, optional
         Of models without a period, how many returns to the section count as one; without `period` the cycle repeats after so many.
     rtol : float

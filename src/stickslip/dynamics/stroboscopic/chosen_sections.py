@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.analysis.section_choice import Asked, Cut, asked_for, cut_of, passages, states_in
+from stickslip.analysis.section_choice import Asked, Cut, asked_for, cut_of, modes_passed, passages, states_in
 from stickslip.basics.batch import cases_of
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems, StickslipError
@@ -46,8 +46,8 @@ def on_section(
     model : Robot, machine or SwitchingFlow
         One, or a batch of them.
     section : str or tuple, optional
-        Another section: the name of a state, alone or with the value that it passes and the direction (1 or -1); or of a contact that
-        rests exactly where it sticks or slips, such as "stick of block".
+        Another section: the name of a state, alone or with the value that it passes and the direction (1 or -1); or a switch: of a contact
+        that rests exactly where it sticks or slips, such as "stick of block", of a flow from a mode to another, such as "free to hunted".
     turns : int
         After how many returns the map looks again.
     states : array (starts, coordinates), optional
@@ -73,7 +73,11 @@ def on_section(
     values: Any
     if asked.switch:
         shown = shown_by_a_run(one, at, Asked(), states)
-        return replace(at, section=_at_a_switch(asked, model, turns, shown.begun if shown.oscillates else None))
+        longest = (
+            LONGEST_RETURN * np.asarray(_time_of(model), float) if adapter_of(model).has_bodies else _longest_of_switches(shown, asked)
+        )
+        begun = shown.begun if shown.oscillates else None
+        return replace(at, section=ReturnSection(str(asked.name), -1, np.nan, 1.0, longest, int(turns), begun))
     if turning := _where_the_spring_turns(model, asked):
         cut, longest, values = *turning, turning[0].value
     else:
@@ -87,10 +91,12 @@ def on_section(
     return replace(at, section=ReturnSection(cut.name, index, values, cut.direction, longest, int(turns), begun))
 
 
-def _at_a_switch(asked: Asked, model: Model, turns: int, begun: Any) -> ReturnSection:
-    """The section at which a contact sticks, or slips."""
-    longest = LONGEST_RETURN * np.asarray(_time_of(model), float)
-    return ReturnSection(str(asked.name), -1, np.nan, 1.0, longest, int(turns), begun)
+def _longest_of_switches(shown: Shown, asked: Asked) -> float:
+    """The longest time of a return to a switch of a flow: of the returns of its run, and of what comes between its switches there."""
+    flow = shown.run.model
+    before, after = (dict(zip(flow.modes, of, strict=True)) for of in modes_passed(flow, str(asked.name)))
+    t = [event.t for event in shown.run.events if before[event.before] and after[event.after]]
+    return max(shown.longest, LONGEST_RETURN * float(np.diff(t).max(initial=0.0)))
 
 
 def check_section(what: str, model: Any, section: Any, turns: Any) -> None:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.analysis.section_choice import SWITCHES, contact_names
+from stickslip.analysis.section_choice import SWITCHES, contact_names, modes_passed
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.status import Status
@@ -26,12 +26,12 @@ _ON = 1e-9  # of a coordinate's scale: a start that is so near to the section is
 
 @sealed
 class ReturnSection:
-    """A section of the states of a model: a coordinate that falls, or rises, through a value; or a contact that sticks, or slips.
+    """A section of the states of a model: a coordinate that falls, or rises, through a value; or a switch of a contact or a flow.
 
     Parameters
     ----------
     name : str
-        The coordinate, one of the names of `coordinates`; or the switch, such as "stick of block".
+        The coordinate, one of the names of `coordinates`; or the switch, such as "stick of block", or "free to hunted" of a flow.
     index : int
         Its place among them; -1 for a switch, which has no value and no direction.
     value : array (cases,) or float
@@ -61,7 +61,7 @@ class ReturnSection:
 
     @property
     def is_switch(self) -> bool:
-        """Whether it is a switch of a contact."""
+        """Whether it is a switch."""
         return self.index < 0
 
     def starts(self, rest: Array) -> Array:
@@ -162,14 +162,18 @@ def _numbers_of(section: ReturnSection, column: int | None, model: Model, kernel
 
 def _returned_by_flow(flow: Any, states: Array, returns: int, at: Coordinates) -> Ends:
     """The same of a flow that switches."""
-    from stickslip.solvers.flow_engine import returned
+    from stickslip.solvers.flow_engine import passing_a_value, returned, switching
 
     section, n = at.section, len(states)
-    y, value = np.array(states[:, :-1], float), np.broadcast_to(np.asarray(section.value, float), (n,))
-    near = abs(y[:, section.index] - value) <= _ON * at.scales[section.index]
-    y[near, section.index] = value[near]
-    span = returns * np.broadcast_to(np.asarray(section.longest, float), (n,))
-    ends = returned(flow, y, np.round(states[:, -1]), (section.index, section.direction, value), returns, span)
+    y, span = np.array(states[:, :-1], float), returns * np.broadcast_to(np.asarray(section.longest, float), (n,))
+    if section.is_switch:
+        where = switching(modes_passed(flow, section.name))
+    else:
+        value = np.broadcast_to(np.asarray(section.value, float), (n,))
+        near = abs(y[:, section.index] - value) <= _ON * at.scales[section.index]
+        y[near, section.index] = value[near]
+        where = passing_a_value(section.index, section.direction, value, y.shape[1])
+    ends = returned(flow, y, np.round(states[:, -1]), where, returns, span)
     return ends_of_flow(flow, states, ends.states, ends.modes, ends.status, ends.duration)
 
 
