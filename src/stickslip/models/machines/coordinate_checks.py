@@ -197,7 +197,7 @@ def _check_rail(m: AnyCoordinates, i: int, problems: Problems) -> None:
     elif not is_affine(law) or any(not everywhere(abs(law.sliding(side, 0.0)) == 0.0) for side in (1.0, -1.0)):
         problems.add(f"{where}: the friction of {law.name} is not proportional to the load, as that of ss.Coulomb is; {type_load}")
     elif any(
-        not everywhere(abs(limit - law.sliding(side * TINY, 1.0)) <= _SAME * abs(limit))
+        not everywhere(abs(limit - law.sliding(side * TINY, 1.0)) <= _SAME * abs(limit) + TINY)
         for side, limit in zip((-1.0, 1.0), law.breakaway(1.0), strict=True)
     ):
         problems.add(f"{where}: static friction above kinetic is not there yet with a load that follows from the motion; {type_load}")
