@@ -64,9 +64,19 @@ def test_the_example_of_a_command_prints_what_is_shown(command, capsys, tmp_path
         assert same(told.splitlines(), out.splitlines()), f"$ {typed}\n{out}"
 
 
-@pytest.mark.parametrize("command", [pytest.param(c, marks=pytest.mark.slow) if c in LONG else c for c in EXAMPLES])
+@each_row("command", [command for command in EXAMPLES if command not in LONG])
 def test_the_example_with_json_is_strict_json(command, capsys, tmp_path, monkeypatch):
     """Nothing but JSON on stdout, and no NaN in it."""
+    strict_json_of(command, capsys, tmp_path, monkeypatch)
+
+
+@pytest.mark.slow
+@each_row("command", LONG)
+def test_the_example_that_takes_long_is_strict_json_too(command, capsys, tmp_path, monkeypatch):
+    strict_json_of(command, capsys, tmp_path, monkeypatch)
+
+
+def strict_json_of(command, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for typed, _ in commands_in(declaration(command).example):
         words = shlex.split(typed)[1:]
