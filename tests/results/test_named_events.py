@@ -118,6 +118,23 @@ def test_batches_and_sweeps_of_flows_have_columns():
     assert np.allclose(swept.first_half, np.sqrt(1.0 / 9.81), rtol=1e-14)
 
 
+def test_each_case_of_a_batch_with_events_is_solved_once(monkeypatch):
+    """Its numbers are those of a batch without events."""
+    from stickslip.engine import lanes
+
+    runs, run = [], lanes.run
+    monkeypatch.setattr(lanes, "run", lambda *given, **more: runs.append(len(given[1])) or run(*given, **more))
+    rig = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=np.array([4e-4, 6e-4, 8e-4]))
+    law = ss.Coulomb(0.2, 0.2, f_plus=0.3, f_minus=0.3)
+    belts = ss.BlockOnBelt(1.0, 2.0, np.array([0.1, 0.12, 0.15]), law, load=1.0)
+    for model, how in ((rig, dict(periods=12, settle=4, method="rodas5p")), (belts, dict(duration=30.0))):
+        plain = ss.solve(model, **how)
+        runs.clear()
+        many = ss.solve(model, events={"fast": lambda s: s.v - 0.01}, **how)
+        assert runs == [1, 1, 1] and (many.number_fast > 0).any()
+        assert all(np.array_equal(plain.columns[name], many.columns[name]) for name in ("mean_velocity", "velocity_max"))
+
+
 def test_sweeps_of_machines_have_those_of_their_runs(tmp_path):
     """In memory and in a folder, which another function of the same name does not go on with."""
     belt, axes = ss.BlockOnBelt(1.0, 2.0, 0.1, ss.Coulomb(0.2, 0.2, f_plus=0.3, f_minus=0.3), load=1.0), {"speed": [0.1, 0.15, np.nan]}

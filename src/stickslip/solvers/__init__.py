@@ -26,7 +26,7 @@ from stickslip.basics.interruption import accept_part, interruptible, is_asked_t
 from stickslip.results.summary import Summary
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers.methods import METHODS, method_for
-from stickslip.solvers.named_events import event_columns_of_cases, events_of_model, with_events
+from stickslip.solvers.named_events import event_columns_of_cases, events_of_model, watching, with_events
 from stickslip.solvers.request import request
 from stickslip.solvers.settings import Settings
 
@@ -163,6 +163,7 @@ def _solved(model: Model, settings: Settings) -> Trajectory | Summary:
     with taking_some_cases():
         todo = request(model, settings)
         events, method = events_of_model("solve", model, settings.events), method_for(todo.method, todo.model, bool(todo.observe))
+        todo = watching(todo, events)
         result = with_events(todo, method.run(todo), events, method.run)
         if todo.partial and is_asked_to_end() and result.interrupted:
             accept_part()

@@ -16,7 +16,7 @@ from stickslip.results.flow_drift import repeats_after
 from stickslip.results.flow_pieces import FlowPieces, extremes, polynomials
 from stickslip.results.flow_run import FlowRun
 from stickslip.results.summary import Summary
-from stickslip.solvers.flow_engine import follow_flow, steps_of_flow
+from stickslip.solvers.flow_engine import FlowSolution, follow_flow, steps_of_flow
 from stickslip.solvers.settings import Request, versions
 from stickslip.solvers.stopped import FAILURES
 
@@ -32,9 +32,14 @@ def _run(todo: Request) -> FlowRun:
     status, (method, tolerance) = Status.FINISHED.sentence, steps_of_flow(flow)
     if is_stopped() and done.time < length:
         status = interrupted_at(done.time)
+    pieces = FlowPieces(done.nodes, done.modes, done.coefficients, done.passed, done.events, done.state, done.mode)
+    return _run_with(todo, flow, pieces, done.steps, status, method, tolerance)
+
+
+def _run_with(todo: Request, flow: Any, pieces: FlowPieces, steps: int, status: str, method: str, tolerance: float) -> FlowRun:
     return FlowRun(
         model=flow,
-        pieces=FlowPieces(done.nodes, done.modes, done.coefficients, done.passed, done.events, done.state, done.mode),
+        pieces=pieces,
         periods=None if todo.duration is not None else todo.periods,
         settle=todo.settle,
         rtol=tolerance,
@@ -43,8 +48,17 @@ def _run(todo: Request) -> FlowRun:
         samples=todo.samples,
         start=todo.given_start,
         provenance={"versions": versions()},
-        counts={"steps": done.steps},
+        counts={"steps": steps},
     )
+
+
+def run_of_parts(todo: Request, flow: Any, parts: list[FlowSolution]) -> FlowRun:
+    """One run of stretches that follow one another."""
+    first, last = parts[0], parts[-1]
+    nodes = np.concatenate([first.nodes, *(part.nodes[1:] for part in parts[1:])])
+    modes, coefficients, passed = (np.concatenate([getattr(part, of) for part in parts]) for of in ("modes", "coefficients", "passed"))
+    pieces = FlowPieces(nodes, modes, coefficients, passed, [event for part in parts for event in part.events], last.state, last.mode)
+    return _run_with(todo, flow, pieces, sum(part.steps for part in parts), Status.FINISHED.sentence, *steps_of_flow(flow))
 
 
 def _summary(todo: Request) -> Summary:
@@ -54,8 +68,10 @@ def _summary(todo: Request) -> Summary:
     with partial_result() as ending:
         for k, flow in enumerate(cases_of(todo.model)):
             look()
-            why: list[str] = []
-            rows.append(flow_columns(flow, todo.start[k], todo.modes[k], float(todo.lengths[k]), float(settled[k]), why))
+            why, parts = list[str](), list[FlowSolution]()
+            rows.append(flow_columns(flow, todo.start[k], todo.modes[k], float(todo.lengths[k]), float(settled[k]), why, parts))
+            if todo.watched is not None:
+                todo.watched.note_run(k, None if why else run_of_parts(todo, flow, parts))
             if why and len(failures) < FAILURES:
                 failures[tuple(map(int, np.unravel_index(k, todo.labels.shape)))] = why[0]
             todo.progress(k + 1, todo.cases)
@@ -71,18 +87,22 @@ def _summary(todo: Request) -> Summary:
     return Summary(todo.model, todo.labels, columns, {"settings": settings}, failures)
 
 
-def flow_columns(flow: Any, y: Array, mode: Any, span: float, settled: float, why: list[str] | None = None) -> dict[str, Any]:
+def flow_columns(
+    flow: Any, y: Array, mode: Any, span: float, settled: float, why: list[str] | None = None, parts: list[FlowSolution] | None = None
+) -> dict[str, Any]:
     """The numbers of one case: mean, smallest and largest value of each state after settling, the switches there, and where it ends.
 
-    The message of a case that could not be followed is added to `why`.
+    The message of a case that could not be followed is added to `why`, and the stretches that were followed to `parts`.
     """
-    names = flow.names(len(y))
+    names, followed = flow.names(len(y)), [] if parts is None else parts
     try:
         begin = 0.0
         if settled > 0.0:
             before = follow_flow(flow, y, mode, settled, growth=False)
             y, mode, begin = before.state, before.mode, settled
+            followed.append(before)
         done = follow_flow(flow, y, mode, span - settled, begin, growth=False)
+        followed.append(done)
     except SolveError as error:
         if why is not None:
             why.append(str(error))

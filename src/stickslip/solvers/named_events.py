@@ -1,4 +1,8 @@
-"""Events of the user in what `solve` returns: in the run itself, or as columns of a batch, whose cases are each run once more by itself."""
+"""Events of the user in what `solve` returns: in the run itself, or as columns of a batch, whose cases are asked as they are solved.
+
+Steps are recorded then, one case after the other in each thread. Cases of closed arcs, which have no steps, and of ``settle="auto"``, which
+end before their time, are run once more by themselves.
+"""
 
 from __future__ import annotations
 
@@ -11,11 +15,13 @@ import numpy as np
 from stickslip.basics.batch import Labels, cases_of
 from stickslip.basics.errors import InputError, SolveError
 from stickslip.basics.interruption import look
+from stickslip.basics.status import ENDS, Status
 from stickslip.models.crossings import Crossing, checked_crossings
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.model_adapter import adapter_of
 from stickslip.results.named_events import found_events
 from stickslip.results.trajectory import Trajectory
+from stickslip.solvers.gather import trajectory
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -32,6 +38,33 @@ def events_of_model(what: str, model: Any, events: Any) -> dict[str, Crossing]:
         return checked_crossings(what, events, model.contacts)
     mechanics = machine_of(model).mechanics
     return checked_crossings(what, events, (*mechanics.contacts, *(stop.name for stop in mechanics.stops)))
+
+
+class Watched:
+    """The events of a batch, and what is known of them: rows of columns by case."""
+
+    def __init__(self, todo: Request, events: Mapping[str, Crossing]):
+        self.todo, self.events = todo, events
+        self.rows: dict[int, dict[str, Any]] = {}
+
+    def note(self, k: int, method: str, pieces: Any, status: int) -> None:
+        """Look for the events in the dense output of case k, which ended with a status."""
+        if status == Status.NOT_COMPUTED:
+            return
+        if status > Status.REPEATS and status not in ENDS:
+            self.note_run(k, None)
+            return
+        (case,) = cases_of(self.todo.model, slice(k, k + 1))
+        self.note_run(k, trajectory(_one_case(self.todo, case, k), method, pieces, {}, status if status in ENDS else 0))
+
+    def note_run(self, k: int, run: Trajectory | None) -> None:
+        """The same of its run; None where it could not be followed."""
+        self.rows[k] = lacking_columns(self.events) if run is None else event_columns(run, self.events)
+
+
+def watching(todo: Request, events: Mapping[str, Crossing]) -> Request:
+    """The request, with events that are looked for as its cases are solved."""
+    return replace(todo, watched=Watched(todo, events)) if events and todo.keep == "summary" and not todo.auto else todo
 
 
 def with_events(todo: Request, result: Any, events: Mapping[str, Crossing], run: Callable[[Request], Any]) -> Any:
@@ -84,16 +117,23 @@ def _with_columns(todo: Request, summary: Summary, events: Mapping[str, Crossing
 
 
 def event_columns_of_cases(todo: Request, events: Mapping[str, Crossing], run: Callable[[Request], Any]) -> dict[str, Any]:
-    """These columns by name, in the shape of the batch: every case is run by itself, over all of its time."""
-    lacking = {column_of("first", name): np.nan for name in events} | {column_of("number", name): -1 for name in events}
+    """These columns by name, in the shape of the batch: cases that were not asked as they were solved are run over all of their time."""
+    known = {} if todo.watched is None else todo.watched.rows
     rows: list[dict[str, Any]] = []
     for k, case in enumerate(cases_of(todo.model)):
         look()
-        try:
-            rows.append(event_columns(run(_one_case(todo, case, k)), events))
-        except SolveError:
-            rows.append(lacking)
-    return {name: np.array([row[name] for row in rows]).reshape(todo.labels.shape) for name in lacking}
+        if k not in known:
+            try:
+                known[k] = event_columns(run(_one_case(todo, case, k)), events)
+            except SolveError:
+                known[k] = lacking_columns(events)
+        rows.append(known[k])
+    return {name: np.array([row[name] for row in rows]).reshape(todo.labels.shape) for name in lacking_columns(events)}
+
+
+def lacking_columns(events: Mapping[str, Crossing]) -> dict[str, Any]:
+    """The columns of a case of which they are not known."""
+    return {column_of("first", name): np.nan for name in events} | {column_of("number", name): -1 for name in events}
 
 
 def _one_case(todo: Request, case: Any, k: int) -> Request:
@@ -113,4 +153,5 @@ def _one_case(todo: Request, case: Any, k: int) -> Request:
         progress=lambda done, cases: None,
         partial=False,
         modes=todo.modes[k : k + 1],
+        watched=None,
     )

@@ -88,6 +88,7 @@ class Request:
     partial: bool = False  # whether an interruption ends it with what is done
     modes: Any = ()  # in which the cases of a flow begin
     equations: Any = None  # of a flow, traced
+    watched: Any = None  # of a batch with a user's events: what takes note of each case's dense output (`named_events.Watched`)
 
     @property
     def cases(self) -> int:

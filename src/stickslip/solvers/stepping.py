@@ -40,8 +40,10 @@ CHUNK = 4096
 def run(todo: Request, tableau: Tableau | Series | None, rtol: float) -> Trajectory | Summary:
     """Solve as asked, by Rosenbrock steps, Taylor series of laws with an inner state, or (no tableau) Taylor steps."""
     check_period(todo.model, todo.machine)
-    kernel = lanes.kernel_of(todo.model, tableau, todo.cases == 1, todo.observe)
+    kernel = lanes.kernel_of(todo.model, tableau, todo.cases == 1 or todo.watched is not None, todo.observe)
     method = _method(tableau)
+    if todo.watched is not None:
+        return gather(todo, method, _parts_watched(todo, kernel, _job(todo, rtol, KEPT // lanes.bytes_of_piece(kernel)), method))
     if todo.keep == "summary":
         return gather(todo, method, _parts(todo, kernel, _job(todo, rtol)))
     job = _job(todo, rtol, KEPT // lanes.bytes_of_piece(kernel))
@@ -140,6 +142,22 @@ def _parts(todo: Request, kernel: lanes.Kernel, job: lanes.Job) -> Any:
 
     for i, raw in handed_out(work, range(len(bounds)), todo.workers if len(bounds) > 1 else 1, all_parts=todo.partial):
         yield bounds[i], raw
+
+
+def _parts_watched(todo: Request, kernel: lanes.Kernel, job: lanes.Job, method: str) -> Any:
+    """Raw results case by case, each with its dense output, in which a user's events are looked for; threads share the cases."""
+
+    def work(k: int) -> RawResults:
+        one = slice(k, k + 1)
+        own = todo.numbers_of(one)
+        table = CaseTable(todo.model, kernel, todo.start[one], todo.span[one], which=one, machine=todo.machine, own=own)
+        results = lanes.run(kernel, table.rows, table.start, job, keep_pieces=True, partial=todo.partial)
+        todo.watched.note(k, method, _pieces(results.pieces, kernel, table, todo.periods), int(results.status[0]))
+        return _raw(todo, results, kernel, table)
+
+    for done, (k, raw) in enumerate(handed_out(work, range(todo.cases), todo.workers, all_parts=todo.partial), start=1):
+        todo.progress(done, todo.cases)
+        yield (k, k + 1), raw
 
 
 def _bounds(cases: int, workers: int) -> list[tuple[int, int]]:

@@ -13,9 +13,9 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.pool import handed_out
 from stickslip.basics.status import Status
-from stickslip.solvers import solve
+from stickslip.solvers.flow_engine import FlowSolution
 from stickslip.solvers.flow_requests import flow_request
-from stickslip.solvers.flow_solving import flow_columns
+from stickslip.solvers.flow_solving import flow_columns, run_of_parts
 from stickslip.solvers.named_events import event_columns, events_of_model
 from stickslip.solvers.settings import Settings
 from stickslip.studies.models_of_points import starts_at
@@ -69,10 +69,11 @@ def _case(flow: Any, start: dict[str, Any], options: dict[str, Any], settle: flo
         except InputError:
             return {"status": Status.BAD_INPUT}
         begun, length = todo.start[0], float(todo.lengths[0])
-        columns = flow_columns(todo.model, begun, todo.modes[0], length, float((todo.settle * todo.span)[0]) if settle is None else settle)
+        left, parts = float((todo.settle * todo.span)[0]) if settle is None else settle, list[FlowSolution]()
+        columns = flow_columns(todo.model, begun, todo.modes[0], length, left, parts=parts)
         if columns["status"] != 0 or (settle is None and not watched):
             return columns
-        run = solve(todo.model, duration=length, start=begun, mode=todo.modes[0], keep="trajectory")
+        run = run_of_parts(todo, todo.model, parts)
         columns |= event_columns(run, watched)
         return columns if settle is None else columns | flow_motion_columns(run, settle, todo.model.modes)
 

@@ -261,7 +261,7 @@ def _check_options(plan: Plan) -> None:
 
 def settings_of(options: dict[str, Any], **more: Any) -> Settings:
     """The settings of `solve` for options of a sweep; with a duration, there are no periods to count."""
-    known = {name: value for name, value in options.items() if name != "events"}  # the columns of events come from runs of their own
+    known = {name: value for name, value in options.items() if name != "events"}  # cases of closed arcs have none
     settings = Settings(**{**known, "observe": by_time_of_computation(options.get("observe"))[0] or None}, **more)
     if settings.duration is None:
         return settings

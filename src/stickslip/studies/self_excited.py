@@ -15,6 +15,7 @@ from stickslip.basics.errors import InputError, Problems, StickslipError
 from stickslip.basics.interruption import look
 from stickslip.basics.status import Status
 from stickslip.basics.typed_numbers import in_seconds
+from stickslip.solvers.named_events import event_columns, events_of_model, lacking_columns
 from stickslip.studies.models_of_points import starts_at
 
 #: Columns that only cycles of models without a period have.
@@ -36,16 +37,24 @@ def settled_after(what: str, model: Any, settle: Any, duration: Any) -> float | 
     return float(given)
 
 
-def motion_columns(robot: Model, start: dict[str, Any], options: dict[str, Any], settle: float, status: Array) -> dict[str, Array]:
-    """What the cases of a batch of machines do after they have settled: columns by name, NaN where a case was not solved."""
+def motion_columns(
+    robot: Model, start: dict[str, Any], options: dict[str, Any], settle: float, status: Array, events: Any = None
+) -> dict[str, Array]:
+    """What the cases of a batch of machines do after they have settled: columns by name, NaN where a case was not solved.
+
+    With a user's events also their first instants and numbers, over the whole run.
+    """
+    watched = events_of_model("sweep", robot, events)
+    located = [lacking_columns(watched) for _ in range(np.size(status))]
     cases = cases_of(robot) if shape_of(robot) else [robot]
     motions = [
-        _motion(case, starts_at(start, np.array(k)), options, settle) if good else None
+        _motion(case, starts_at(start, np.array(k)), options, settle, watched, located[k]) if good else None
         for k, (case, good) in enumerate(zip(cases, np.ravel(status) <= Status.REPEATS, strict=True))
     ]
     first = next((motion for motion in motions if motion is not None), None)
+    of_events = {name: np.array([row[name] for row in located]) for name in lacking_columns(watched)}
     if first is None:
-        return {}
+        return of_events
     bodies, contacts = list(first.amplitudes), list(first.contacts)
     of_bodies = {"body_amplitude": lambda m, b: m.amplitudes[b], **{f"velocity_{e}": _extreme(k) for k, e in enumerate(("min", "max"))}}
     of_contacts = {name: _of_contact(name) for name in ("stick_fraction", "forward_fraction", "backward_fraction", "pattern")}
@@ -61,7 +70,7 @@ def motion_columns(robot: Model, start: dict[str, Any], options: dict[str, Any],
             if names:
                 columns[name] = np.array([[lacking if m is None else value(m, each) for each in names] for m in motions])
     columns["direction"] = _directions(columns)
-    return columns
+    return columns | of_events
 
 
 def _directions(columns: dict[str, Array]) -> Array:
@@ -74,14 +83,17 @@ def _directions(columns: dict[str, Array]) -> Array:
     return np.where(ahead == back, net, np.where(ahead, 1.0, -1.0)).astype("i1")
 
 
-def _motion(case: Any, start: dict[str, Any], options: dict[str, Any], settle: float) -> Oscillation | None:
-    """The motion of one case after it has settled."""
+def _motion(
+    case: Any, start: dict[str, Any], options: dict[str, Any], settle: float, watched: dict[str, Any], located: dict[str, Any]
+) -> Oscillation | None:
+    """The motion of one case after it has settled; what is known of events is written into `located`."""
     from stickslip.solvers import solve
 
     look()
     how = {name: options[name] for name in ("duration", "rtol", "method")}
     try:
         run = solve(case, start=start or None, keep="trajectory", **how)
+        located.update(event_columns(run, watched))
         return oscillation(run, options["slip_ratio"], options["dwell"], settle)
     except StickslipError:
         return None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ from stickslip.results.part_notes import notes_of_cases
 from stickslip.solvers import coulomb_steady_motions as orbits, events_of_cases, part_results as parts, solved as solved_as_asked
 from stickslip.solvers.closed_arcs import dimensionless_arcs, handles
 from stickslip.solvers.methods import takes_closed_arcs
+from stickslip.solvers.named_events import lacking_columns
 from stickslip.solvers.request import request
 from stickslip.solvers.settings import Settings
 from stickslip.studies.flow_sweeps import columns_of_flows
@@ -188,8 +190,8 @@ def columns_of(
         return columns_of_flows(robot, start, options, workers, count)
     if not shape_of(robot) and any(np.ndim(v) for v in start.values()):  # one robot from several initial states
         robot = replace_leaf(robot, {name: np.full(count, value) for name, value in leaves(robot)})
-    settle = settled_after("sweep", robot, options["settle"], options["duration"])
-    options = options if settle is None else {**options, "settle": "auto"}
+    settle, events = settled_after("sweep", robot, options["settle"], options["duration"]), options.get("events")
+    options = options if settle is None else {**options, "settle": "auto", "events": None}
     many, more = (solver or _summary)(robot, start, options, workers, tell)
     if notes is not None:
         notes.update(notes_of_cases(many.model, many.columns))
@@ -200,23 +202,30 @@ def columns_of(
     columns_kept |= {name: many.columns[name] for name in observed}
     if derived:
         columns_kept |= next(iter(derived.values())).values(robot, count, derived, options["periods"])
-    if options.get("events"):
-        length = {name: value for name, value in options.items() if name in ("periods", "duration", "rtol", "method")}
-        length |= {} if length["duration"] is None else {"periods": None}
-        columns_kept |= events_of_cases(robot, Settings(**length, events=options["events"], start=start or None, keep="summary"))
+    if events and settle is None:
+        names_of_events = lacking_columns(events)
+        known = many.columns if all(name in many.columns for name in names_of_events) else _of_events(robot, start, options)
+        columns_kept |= {name: known[name] for name in names_of_events}
     columns_kept |= _power(robot, many.columns, more) | _alphas(robot)
     if settle is not None:
-        of_motions = motion_columns(robot, start, options, settle, columns_kept["status"])
+        of_motions = motion_columns(robot, start, options, settle, columns_kept["status"], events)
         columns_kept |= {name: values if names else np.reshape(values, len(values)) for name, values in of_motions.items()}
     ends = {name: values for name, values in more.items() if name.startswith(END)}
     return {each: of for name, values in columns_kept.items() for each, of in flattened(name, values, names).items()} | ends
+
+
+def _of_events(robot: Model, start: dict[str, Any], options: dict[str, Any]) -> dict[str, Any]:
+    """The columns of events of cases whose numbers come from closed arcs, from a run of each."""
+    length = {name: value for name, value in options.items() if name in ("periods", "duration", "rtol", "method")}
+    length |= {} if length["duration"] is None else {"periods": None}
+    return events_of_cases(robot, Settings(**length, events=options["events"], start=start or None, keep="summary"))
 
 
 def _summary(robot: Model, start: dict[str, Any], options: dict[str, Any], workers: int, tell: Any) -> tuple[Any, dict[str, Array]]:
     """A summary; for Coulomb robots with a harmonic drive also the distances travelled forwards and backwards."""
     settings = settings_of(options, start=start or None, workers=workers, keep="summary", progress=tell)
     if settings.duration is not None or settings.observe or not takes_closed_arcs(settings.method, robot):
-        return solved_as_asked(robot, settings), {}
+        return solved_as_asked(robot, replace(settings, events=options.get("events"))), {}
     todo = request(robot, settings)
     return orbits.solve(todo) if orbits.applies(todo) else orbits.solve_waiting(todo)
 

@@ -419,14 +419,19 @@ def arrive(lane, S, W, D):
 def widen(lane, S, W, D):
     """Widen the extremes over the window by the last step, if it did not do so itself."""
     N, PARAM, JOB = N_of(W), PARAM_of(W), JOB_of(W)
-    if N[lane, CASE] < 0 or N[lane, DONE] < JOB[SETTLE] or N[lane, AGAIN] == 1 or D[F_HIGH] >= 0:
+    if N[lane, CASE] < 0 or N[lane, DONE] < JOB[SETTLE] or D[F_HIGH] >= 0:
         return
-    if D[SIGNALS] > 0:
-        if D[ARMS] == 1:
-            call_widen(D[AT_WIDEN], lane, S, PARAM[N[lane, CASE]], W, D)
-            call_hold(D[AT_HOLD], lane, S, W, D)
+    if D[F_TOP] >= 0 and D[SET_VALUED] == 0:  # a step that finds its extreme, of a case that is recorded
+        widen_by(wide(0, D) + lane, S[D[F_K] + lane], S, D)
+        widen_by(wide(0, D) + lane, S[D[F_TOP] + lane], S, D)
+        widen_by(wide(0, D) + lane, S[D[F_Y] + lane], S, D)
+    elif N[lane, AGAIN] == 1:
         return
-    widen_on_step(wide(0, D) + lane, D[F_K] + lane, part_made(lane, S, D), S, D)
+    elif D[SIGNALS] == 0:
+        widen_on_step(wide(0, D) + lane, D[F_K] + lane, part_made(lane, S, D), S, D)
+    elif D[ARMS] == 1:
+        call_widen(D[AT_WIDEN], lane, S, PARAM[N[lane, CASE]], W, D)
+        call_hold(D[AT_HOLD], lane, S, W, D)
 
 
 @njit(float64(int64, f1, int64, i1), **OPTIONS)

@@ -46,6 +46,12 @@ def wide(b, D):
     return (D[FIELDS] + 2 * b) * D[LANES]
 
 
+@njit(void(int64, float64, f1, i1), **OPTIONS)
+def widen_by(high, value, S, D):
+    """Widen a range by a value."""
+    S[high], S[high + D[LANES]] = max(S[high], value), min(S[high + D[LANES]], value)
+
+
 @njit(void(int64, int64, float64, f1, i1), **OPTIONS)
 def widen_on_step(high, at, part, S, D):
     """Widen the largest value at S[high], and the smallest one behind it, by a polynomial from the step's beginning to a part of it."""
@@ -88,12 +94,6 @@ def widen_within(high, at, part, bend, S, D):
             widen_by(high, value_where_it_turns(at, two, three, d2, d3, S, D), S, D)
         if d3 * d4 < 0.0:
             widen_by(high, value_where_it_turns(at, three, part, d3, d4, S, D), S, D)
-
-
-@njit(void(int64, float64, f1, i1), **OPTIONS)
-def widen_by(high, value, S, D):
-    """Widen a range by a value."""
-    S[high], S[high + D[LANES]] = max(S[high], value), min(S[high + D[LANES]], value)
 
 
 @njit(float64(int64, f1, i1), **OPTIONS)

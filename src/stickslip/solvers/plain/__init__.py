@@ -67,6 +67,9 @@ def _solved(todo: Request, model: Model, i: int) -> dict[str, Any]:
         run = marched(todo, model, i)
         if run.ended:
             return {**_nothing(model), "status": run.ended, "failure": run.message(run.ended)}
-        return reduced(todo, model, run.pieces(), i)
+        pieces = run.pieces()
+        if todo.watched is not None:
+            todo.watched.note(i, todo.method, pieces, Status.FINISHED)
+        return reduced(todo, model, pieces, i)
     except SolveError as error:
         return {**_nothing(model), "status": Status.TOO_SMALL if error.status is None else error.status, "failure": str(error)}
