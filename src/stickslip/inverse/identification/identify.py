@@ -22,6 +22,7 @@ from stickslip.basics.quantities import between
 from stickslip.inverse.identification.commanded_logs import CommandedProblem, command_log, takes_commands
 from stickslip.inverse.identification.constant_speeds import is_of_constant_speeds, motion_at_constant_speeds
 from stickslip.inverse.identification.covariance import noise_scale, spread_of
+from stickslip.inverse.identification.delays import with_jumps, without_ends
 from stickslip.inverse.identification.drive_harmonics import with_harmonics
 from stickslip.inverse.identification.fit import Fit
 from stickslip.inverse.identification.fit_settings import FitSettings
@@ -236,6 +237,7 @@ def problem_of(
         model = MeansProblem(of, targets, how.rtol) if only_means else SteadyProblem(of, targets, how.rtol)
     numbers, held = sensors_of(how.sensor, model.targets)
     starts_open = [i for i, t in enumerate(model.targets) if model.remembers and t.any_start]
+    model = without_ends(model, numbers, held)
     numbers = with_harmonics(with_starts(numbers, held, starts_open), how.harmonics, model.targets, of, first)
     return MeasuredProblem(model, numbers, held, given=how.sensor, harmonics=how.harmonics)
 
@@ -312,7 +314,8 @@ def _driven(
             motions.append(dataclasses.replace(table, given_sigma=noise is not None))
             continue
         plays = isinstance(law, ForceRig)  # nobody knows where in its play it stands
-        made = dataclasses.replace(motion_of(rec, load, f"record {i}", any_start or plays, not plays), given_sigma=noise is not None)
+        made = motion_of(rec, load, f"record {i}", any_start or plays, not plays)
+        made = dataclasses.replace(made, given_sigma=noise is not None, rigid=not (plays or _contact(law).dynamic))
         motions.append(made.through_play() if plays else made)
     return _over_motions(of, tuple(motions), noise, [_contact(law) for law in first])
 
@@ -394,7 +397,7 @@ def _fit(
     }
     return Fit(
         values,
-        spread_of(problem, best.jacobian, best.residuals, scale, changes, misfit),
+        with_jumps(problem, best, scale, spread_of(problem, best.jacobian, best.residuals, scale, changes, misfit)),
         problem,
         best.point,
         best.jacobian,

@@ -58,7 +58,8 @@ def driven_force(
     if isinstance(law, ForceRig):
         return _rig_force(law, motion, load, measured, cases, reading, float(np.sign(applied or 0.0)))
     known = adapted(law)
-    at = motion.at if known.dynamic else np.where(motion.still, 0.0, motion.at)
+    open_ = motion.still | motion.turning if motion.rigid and "delay" in reading else motion.still
+    at = motion.at if known.dynamic else np.where(open_, 0.0, motion.at)
     return law_force(known, Stepped(motion.t, motion.v, at), load, measured, cases, reading.get("start"))
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from stickslip.basics.contracts import Array, Model, Numeric
 from stickslip.basics.distributions import Distribution
 from stickslip.inverse.identification.censored import tail, tail_slope
+from stickslip.inverse.identification.delays import best_delay
 from stickslip.inverse.identification.sensor_readings import change_shown, of_records, shown_by_sensor
 from stickslip.inverse.identification.sensors import SensorNumber
 from stickslip.inverse.identification.smoothing import REDRAWS
@@ -208,7 +209,7 @@ class MeasuredProblem:
 
     def predicted(self, point: Array) -> Any:
         """Values of all records in the order of `y`; None where the parameters make no model."""
-        h = self._modelled(point)
+        h = self.modelled(point)
         return None if h is None else self._met(self._shown(h, self.readings(point)))
 
     def _met(self, ends: tuple[Any, Any]) -> Any:
@@ -234,7 +235,7 @@ class MeasuredProblem:
         beyond = clipped * (self._met(ends) - self.y) / self.sigma
         return np.where(clipped == 0, 1.0, tail_slope(beyond)) if clipped.any() else np.ones(len(clipped))
 
-    def _modelled(self, point: Array) -> tuple[Any, Any] | None:
+    def modelled(self, point: Array) -> tuple[Any, Any] | None:
         """Least and greatest values that the model gives before any sensor; the last few points are remembered."""
         point = np.asarray(point, float)
         key = tuple(point.tolist())
@@ -287,7 +288,7 @@ class MeasuredProblem:
 
     def residuals(self, point: Array) -> Any:
         """(model - measured) / sigma, then the rows of what is known."""
-        h = self._modelled(point)
+        h = self.modelled(point)
         return self.rest(None if h is None else self._shown(h, self.readings(point)), point)
 
     @property
@@ -310,7 +311,7 @@ class MeasuredProblem:
         """Derivatives of the residuals."""
         point = np.asarray(point, float)
         readings = self.readings(point)
-        h, own = self._modelled(point), self.model.slopes(point[: self.first], self.readings(point[:, None]))
+        h, own = self.modelled(point), self.model.slopes(point[: self.first], self.readings(point[:, None]))
         if h is None:
             slopes = np.zeros((len(self.y), len(point)))
         else:
@@ -363,16 +364,34 @@ class MeasuredProblem:
         """The point of the free parameters with the best phases behind it, and the best numbers of the sensors that act in proportion."""
         own = self.model.aligned(point)
         whole = np.concatenate([own, [n.value for n in self.numbers]])
-        h = self._modelled(whole)
-        return whole if h is None else np.concatenate([own, self._linear(h, whole)[0]])
+        h = self.modelled(whole)
+        if h is None:
+            return whole
+        for k in self.delays:
+            whole[k] = best_delay(self, h, whole, k)
+        return np.concatenate([own, self.lagging(whole).linear(h, whole)[0]])
 
-    def _linear(self, h: tuple[Any, Any], whole: Any) -> tuple[Any, float]:
+    @property
+    def delays(self) -> list[int]:
+        """Which numbers of a point are delays of load cells."""
+        numbers = enumerate(self.numbers, self.first)
+        return [k for k, n in numbers if n.what == "delay" and all(self.targets[i].kind == "force" for i in n.records)]
+
+    def lagging(self, point: Array) -> MeasuredProblem:
+        """The same fit where what is open about jumps of a force is late by the delays of a point."""
+        late = {i: float(point[k]) for k in self.delays for i in self.numbers[k - self.first].records}
+        if all(self.targets[i].lag == lag or not self.targets[i].rigid for i, lag in late.items()):
+            return self
+        targets = tuple(t.late(late[i]) if i in late else t for i, t in enumerate(self.targets))
+        return self._like(dataclasses.replace(self.model, targets=targets))
+
+    def linear(self, h: tuple[Any, Any], whole: Any) -> tuple[Any, float]:
         """The numbers of the sensors that fit best to what a model gives, those that act in proportion; and the sum of squares then."""
         readings = self.readings(whole)
         shown = self._shown(h, readings)
         rest, counting = self.standardised(shown), self._counting(shown) / self.sigma
         moved = [k for k, n in enumerate(self.numbers) if n.what in _LINEAR]
-        values = np.array([n.value for n in self.numbers])
+        values = np.array(whole[self.first :], float)
         if not moved:
             return values, float(rest @ rest)
         columns = self._in_proportion(h, readings, [self.numbers[k] for k in moved]) * counting[:, None]
@@ -402,7 +421,7 @@ class MeasuredProblem:
             return self.model.coarse(points, [None if i in free else r.get("offset", 0.0) for i, r in enumerate(self.readings(whole))])
         least, most = self.model.ends(points, self.readings(np.tile(whole[:, None], len(points))))
         cases = [(low, low if most is least else high) for low, high in zip(least.T, most.T, strict=True)]
-        return np.array([self._linear(h, whole)[1] if np.isfinite(h).all() else np.inf for h in cases])
+        return np.array([self.linear(h, whole)[1] if np.isfinite(h).all() else np.inf for h in cases])
 
 
 @dataclass(frozen=True)

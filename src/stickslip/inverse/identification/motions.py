@@ -12,11 +12,12 @@ import numpy as np
 from stickslip.basics.contracts import Array, Law
 from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
+from stickslip.inverse.identification import strokes
 from stickslip.inverse.identification.censored import sides_of
 from stickslip.inverse.identification.clocks import together
 from stickslip.inverse.identification.law_forces import driven_force, slide
 from stickslip.inverse.identification.measured_motion import motion_behind, noise_of_velocity
-from stickslip.inverse.identification.smoothing import Smooth
+from stickslip.inverse.identification.smoothing import Smooth, noise_of_differences
 from stickslip.inverse.identification.targets import Compared
 from stickslip.inverse.identification.weighting import weights_at
 from stickslip.records.overview import noise
@@ -32,6 +33,8 @@ _REST = 4.0  # standard errors of the velocity within which its sign is open
 _LOOKED = 6  # repetitions that tell the noise of a position
 _BLURRED = 3.0  # standard errors of the position within which a flank of a play is reached
 _SMEARED = 0.03  # of the range of a motion, over which a play closes in a search
+_LONGEST, _OF_A_STROKE = 0.02, 0.125  # delay that is looked for, where steps are short: that [s], and no more than so much of a stroke
+_OF_A_RECORD = 0.05  # which at most is left out at either end beside a delay
 _REPEATS = 0.1  # by which part of its own spread the motion may differ from one period to the next
 
 
@@ -78,6 +81,8 @@ class PrescribedMotion(Compared):
     blur: float = 0.0  # how far positions may be off where a flank of it is reached
     smear: float = 0.0  # way over which it closes, in a search
     timeless: bool = False  # a table of constant speeds: v is that of each row
+    rigid: bool = False  # whether the force jumps where the motion turns, because the law has no inner states
+    lag: float = 0.0  # delay of the force about which such jumps are left open [s]
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "weights", np.broadcast_to(self.weights, np.shape(self.t)))
@@ -133,6 +138,46 @@ class PrescribedMotion(Compared):
     def step(self) -> float:
         """Time between samples [s]."""
         return float(np.median(np.diff(self.t)))
+
+    @property
+    def longest_delay(self) -> float:
+        """The longest delay that is looked for where nothing is typed [s]."""
+        turns = np.flatnonzero(np.diff(np.sign(self.at[self.at != 0])))
+        stroke = float(self.t[-1] - self.t[0]) / (len(turns) + 1)
+        return max(super().longest_delay, min(_LONGEST, _OF_A_STROKE * stroke))
+
+    @cached_property
+    def turning(self) -> Any:
+        """Samples between which the motion turns, and those between them of which the direction is open: array (n,) of bool."""
+        return strokes.turning(np.where(self.still, 0.0, np.sign(self.at)))
+
+    @cached_property
+    def _strokes(self) -> strokes.Strokes:
+        """The strokes of the values, with what is open between them where the force is late by `lag`."""
+        return strokes.Strokes(self.time, np.where(self.still, 0.0, np.sign(self.at))[self.compared], self.lag, self.step)
+
+    @property
+    def left_open(self) -> int:
+        """How many values beside jumps of the force are left open."""
+        return int(np.sum(self._strokes.open >= 0)) if self.rigid else 0
+
+    def without_ends(self, late: float) -> PrescribedMotion:
+        """The same without the values at either end that a delay of so much may bring from where no motion is recorded."""
+        late = min(late, _OF_A_RECORD * float(self.t[-1] - self.t[self.before]))
+        inside = (self.t > self.t[self.before] + late) & (self.t < self.t[-1] - late)
+        return dataclasses.replace(self, weights=np.where(inside, self.weights, 0.0))
+
+    def late(self, lag: float) -> PrescribedMotion:
+        """The same where the jumps of the force are late by so much."""
+        return dataclasses.replace(self, lag=lag) if self.rigid else self
+
+    def delayed(self, h: Array, delay: float) -> Any:
+        """Values a little later: of a force that jumps where the motion turns those within the strokes, and what is open between them."""
+        return self._strokes.delayed(h, delay) if self.rigid else super().delayed(h, delay)
+
+    def delay_slope(self, h: Array, delay: float) -> Any:
+        """The change of delayed values with time, of a force that jumps within strokes [1/s]."""
+        return self._strokes.slope(h, delay) if self.rigid else super().delay_slope(h, delay)
 
     @property
     def acceleration(self) -> Any:
@@ -265,7 +310,7 @@ def motion_of(rec: Record, load: float | None, label: str, any_start: bool = Fal
     made = PrescribedMotion(t, v, N, F, lead, flipped, label, "; ".join(remarks) or None, own, any_start=any_start and not lead,
                   load_noise=level if np.isfinite(level) else 0.0)  # fmt: skip
     if smooth is None:
-        return made
+        return dataclasses.replace(made, still=abs(made.at) <= _REST * noise_of_differences(x) / made.step)
     driven = _driven(smooth, t, lead)
     still = abs(driven["at"]) <= _REST * noise_of_velocity(smooth, t)
     return dataclasses.replace(made, **driven, still=still, measured=smooth)

@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.basics.phrases import listed
 from stickslip.inverse.identification.covariance import information_of, neighbours, noise_scale, noise_sizes, with_noise_of
+from stickslip.inverse.identification.delays import delayed_best
 from stickslip.inverse.identification.least_squares import MeasuredProblem
 from stickslip.inverse.identification.search import SearchEnd, polished
 from stickslip.inverse.identification.weighting import robust_weights
@@ -25,6 +26,7 @@ def finished(problem: MeasuredProblem, rough: SearchEnd) -> tuple[MeasuredProble
     point = problem.whole(rough.point)
     if rough.stopped:
         return problem, SearchEnd(point, problem.residuals(point), problem.jacobian(point), rough.steps, True)
+    problem, point = delayed_best(problem, point)
     best = polished(problem, point)
     for _ in range(_ROUNDS):
         with_noise = with_noise_of(problem, best)

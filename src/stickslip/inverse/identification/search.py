@@ -17,6 +17,7 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import Interrupted, looking, partial_result
 from stickslip.basics.one_thread import in_one_thread
 from stickslip.basics.pool import handed_out
+from stickslip.inverse.identification.damped_steps import damped_steps
 from stickslip.studies.designs import sobol_cube
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ _TOGETHER = 16  # points of the multistart in one batch
 _ALIGNED = 16  # points that are judged by their curves
 _POLISHED = 3  # points from which steps are taken
 _APART = 0.03  # points nearer than this are one
+_TIED = 1e-4  # part of a sum of squares by which ends of rough steps differ and are as good
 _PLATEAU = 1e-9  # points whose sums of squares differ by a smaller part give one curve
 
 
@@ -40,6 +42,7 @@ class SearchEnd:
     jacobian: Any
     steps: int
     stopped: bool = False  # whether somebody said stop before the search had ended
+    promised: float = 0.0  # by how much derivatives promise that the sum of squares can still be lowered
 
     @property
     def cost(self) -> float:
@@ -96,11 +99,18 @@ def searched(
         point = min(judged.values(), key=lambda pair: pair[0])[1]
         ends[0] = SearchEnd(point, problem.residuals(point), problem.jacobian(point), 0)
     each, stopped = [ends[k] for k in sorted(ends)], ending.interrupted or any(end.stopped for end in ends.values())
-    best = min(each, key=lambda end: end.cost)
+    best = _inmost(each, len(problem.parameters.free))
     agree = sum(end.cost < 1.01 * best.cost + 1e-9 for end in each)
     if progress and not stopped:
         progress(_POLISHED + 1, _POLISHED + 1)
     return dataclasses.replace(best, stopped=stopped), agree
+
+
+def _inmost(ends: list[SearchEnd], free: int) -> SearchEnd:
+    """The end of least cost; of several that are as good, as where data do not determine a number, the one farthest from all bounds."""
+    least = min(end.cost for end in ends)
+    good = [end for end in ends if end.cost <= (1 + _TIED) * least]
+    return max(good, key=lambda end: float(np.min(np.minimum(end.point, 1 - end.point)[:free], initial=1.0)))
 
 
 def _judge(problem: Any, starts: int, seed: int, workers: Workers, judged: dict[int, tuple[float, Any]]) -> None:
@@ -155,12 +165,13 @@ def _coarse(problem: Any, points: Array, part: slice) -> tuple[Any, int]:
 def _judged(problem: Any, ranked: tuple[int, Array]) -> tuple[float, Any, int]:
     own = problem.afresh()
     whole = own.aligned(ranked[1])
+    own = own.lagging(whole)
     rest = own.residuals(whole)
     return float(rest @ rest), whole, own.solves
 
 
 def _polished(problem: Any, numbered: tuple[int, Array]) -> tuple[SearchEnd, int]:
-    own = problem.afresh()
+    own = problem.afresh().lagging(numbered[1])
     return polished(own, numbered[1], rough=True), own.solves
 
 
@@ -186,15 +197,18 @@ def polished(problem: Any, point: Array, rough: bool = False) -> SearchEnd:
     if len(inside) == 0:
         rest = problem.residuals(inside)
         return SearchEnd(inside, rest, np.empty((len(rest), 0)), 0)
+    part, close, most = (1e-4, 1e-5, 12) if rough else (1e-9, 1e-8, 60)
+    bounds = low + 1e-9, high - 1e-9
     with partial_result() as ending:
-        fit = least_squares(
-            looking(best), inside, jac=best.jacobian, bounds=(low, high), x_scale="jac",
-            ftol=1e-4 if rough else 1e-9, xtol=1e-5 if rough else 1e-8, gtol=1e-12, max_nfev=12 if rough else 60,
-        )  # fmt: skip
+        fit = least_squares(looking(best), inside, jac=best.jacobian, bounds=(low, high), x_scale="jac", ftol=part, xtol=close, gtol=1e-12,
+                            max_nfev=most)  # fmt: skip
+        known = (fit.fun, fit.jac) if ((low < fit.x) & (fit.x < high)).all() else None
+        start = fit.x if known else np.clip(fit.x, *bounds)
+        end = damped_steps(looking(best), best.jacobian, start, bounds, (part, close, most, problem.resolution), known)
     ending.needs(best.point is not None)
     if ending.interrupted:
         return SearchEnd(best.point, best.residuals, problem.jacobian(best.point), best.steps, stopped=True)
-    return SearchEnd(best.limits.point(fit.x), fit.fun, best.slopes, int(fit.nfev))
+    return SearchEnd(best.limits.point(end.x), end.residuals, best.slopes, int(fit.nfev) + end.steps, promised=end.promised)
 
 
 def polished_to_end(problem: Any, point: Array, rough: bool = False) -> SearchEnd:

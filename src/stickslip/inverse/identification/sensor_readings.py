@@ -67,8 +67,8 @@ def _column(what: str, target: Any, h: Array, reading: dict[str, Any]) -> Any:
         return _ADDED[what](target)
     if what == "offset":
         return np.ones(target.count)
-    delayed = _delayed(target, h - _middle(target), reading.get("delay"))
-    return delayed if what == "gain" else -reading.get("gain", 1.0) * np.gradient(delayed, target.time)
+    moved, delay = h - _middle(target), reading.get("delay")
+    return _delayed(target, moved, delay) if what == "gain" else -reading.get("gain", 1.0) * target.delay_slope(moved, delay)
 
 
 def known_rows(numbers: Any, width: int) -> Any:

@@ -63,7 +63,6 @@ EFFECTS = {
 }
 _OF_THE_MODEL = ("preload", "start", "zero", "begin")
 _LATE = ("zero", "begin")  # small corrections, which the search leaves to the steps from its best place
-_DELAY = 5.0  # samples by which a delay is looked for where nothing is typed
 _PRESSED = 0.999  # of the least load, that a preload may take away
 _ENOUGH = 60  # values of a record that bear all numbers of its sensor
 
@@ -80,8 +79,8 @@ class SensorNumber:
     value : float
         Where it is held, or where the search begins.
     prior : Distribution, optional
-    least : float
-        What it cannot be below, whatever is known of it.
+    least, most : float
+        What it cannot be below or above, whatever is known of it.
     """
 
     name: str
@@ -89,6 +88,7 @@ class SensorNumber:
     value: float
     prior: Distribution | None = None
     least: float = -np.inf
+    most: float = np.inf
 
     @property
     def what(self) -> str:
@@ -124,7 +124,7 @@ class SensorNumber:
     def bounds(self) -> tuple[float, float]:
         """Where the search looks."""
         low, high = (-np.inf, np.inf) if self.prior is None else (self.prior.low, self.prior.high)
-        return max(low, self.least, 1e-3 if EFFECTS[self.what].neutral == 1.0 else -np.inf), high
+        return max(low, self.least, 1e-3 if EFFECTS[self.what].neutral == 1.0 else -np.inf), min(high, self.most)
 
     def unit(self, of_record: str) -> str:
         """Its unit, where that of the record is known."""
@@ -207,11 +207,8 @@ def _number(name: str, records: tuple[int, ...], said: Any, targets: Any, proble
     effect = name.partition("[")[0]
     about = EFFECTS[effect]
     if said is None:
-        prior = about.prior
-        if effect == "delay":
-            most = _DELAY * max(targets[i].step for i in records)
-            prior = distribution_of(("uniform", -most, most))
-        return SensorNumber(name, records, about.neutral, prior, _least(effect, records, targets))
+        most = max(targets[i].longest_delay for i in records) if effect == "delay" else np.inf
+        return SensorNumber(name, records, about.neutral, about.prior, max(_least(effect, records, targets), -most), most)
     if is_number(said):
         return SensorNumber(name, records, float(said))
     prior = distribution_of(said)

@@ -204,7 +204,12 @@ def smoothed(channels: tuple[MotionChannel, ...]) -> Smooth | None:
 def _clean(c: MotionChannel) -> bool:
     """Whether differences of neighbours are those of the motion itself."""
     size = float(np.sqrt(np.mean(np.diff(c.y) ** 2)))
-    return c.count == 0.0 and min(c.sigma, *(_bends(c.y, order) for order in _ORDERS)) <= _NONE * size
+    return c.count == 0.0 and min(c.sigma, noise_of_differences(c.y)) <= _NONE * size
+
+
+def noise_of_differences(y: ArrayLike) -> float:
+    """The least noise that differences of several orders allow: of a smooth motion that of its last digits; infinite of too few values."""
+    return min(_bends(y, order) for order in _ORDERS)
 
 
 def _bends(y: ArrayLike, order: int) -> float:

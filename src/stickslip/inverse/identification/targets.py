@@ -27,6 +27,7 @@ from stickslip.records.tones import measured_samples, refuse_constant
 _ROTARY = {what: SI[what] for what in ("angle", "angular velocity")}
 
 
+_DELAY = 5.0  # samples by which a delay is looked for where nothing is typed
 _MOTION, _MOTION_UNITS = ("position", "velocity"), ("m (rad)", "m/s (rad/s)")
 
 
@@ -43,6 +44,8 @@ class Compared:
     unit: str = ""
     within: float = 0.0
     in_play: bool = False
+    lag: float = 0.0
+    rigid: bool = False
     timeless: bool = False  # whether its values are rows of a table, of which nobody knows when they were taken
     clipped: Any = 0  # which values sit on the upper end (1), or the lower one (-1), of the range of their sensor
 
@@ -73,6 +76,29 @@ class Compared:
     def delayed(self, h: Array, delay: float) -> Any:
         """Values a little later; between samples they change evenly."""
         return np.interp(self.time - delay, self.time, h)
+
+    def delay_slope(self, h: Array, delay: float) -> Any:
+        """The change of delayed values with time [1/s]."""
+        return np.gradient(self.delayed(h, delay) if delay else h, self.time)
+
+    @property
+    def step(self) -> float:
+        """Usual time between samples [s]."""
+        return float(np.median(np.diff(self.time)))
+
+    @property
+    def left_open(self) -> int:
+        """How many values beside jumps of a force are left open."""
+        return 0
+
+    def late(self, lag: float) -> Any:
+        """The same where what jumps is late by so much."""
+        return self
+
+    @property
+    def longest_delay(self) -> float:
+        """The longest delay that is looked for where nothing is typed [s]."""
+        return _DELAY * self.step
 
     def mean_square(self, rest: Array, which: Any = slice(None)) -> float:
         """Mean square of what is left of all samples, from the residuals of the values, or of some of them."""

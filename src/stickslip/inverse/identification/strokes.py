@@ -1,0 +1,94 @@
+"""The strokes of a motion between its reversals, where a force without inner states jumps.
+
+A load cell that is late shows such a jump one, two or more samples after the reversal. Which sample shows it first tells the delay to no
+better than the time between two samples: the samples about a jump are left open, and a force is followed within its strokes alone.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.basics.contracts import Array
+
+_OPEN = 1.0  # samples on either side of a reversal that are open, besides those between which it is
+_ROUNDING = 1e-6  # of a sample
+
+
+def runs(sides: Array) -> list[tuple[int, int]]:
+    """First and last samples of each change of direction, from directions -1, 0 (open) and 1.
+
+    Examples
+    --------
+    >>> runs(np.array([1, 1, 0, -1, -1, 1]))
+    [(1, 3), (4, 5)]
+    """
+    sure = np.flatnonzero(sides)
+    return [(int(sure[k]), int(sure[k + 1])) for k in np.flatnonzero(np.diff(np.sign(sides)[sure]))]
+
+
+def turning(sides: Array) -> Any:
+    """Which samples are those of a change of direction: array (n,) of bool."""
+    which = np.zeros(len(sides), bool)
+    for first, last in runs(sides):
+        which[first : last + 1] = True
+    return which
+
+
+class Strokes:
+    """Values over strokes, some of them later than the motion.
+
+    Parameters
+    ----------
+    t : array (n,)
+        Instants of the values [s].
+    sides : array (n,)
+        Directions of the motion there: -1, 1, or 0 where it is open.
+    lag : float
+        By how much later than the reversals values are open [s].
+    step : float
+        Time between samples [s].
+
+    Examples
+    --------
+    A force that jumps between the third and the fourth of seven values, whose least value there is -1, shown half a sample later:
+
+    >>> made = Strokes(np.arange(7.0), np.array([1, 1, 1, -1, -1, -1, -1]), 0.5, 1.0)
+    >>> made.delayed(np.array([0.0, 1.0, -9.0, -9.0, -2.0, -3.0, -4.0]), 0.5).tolist()
+    [0.0, 0.5, -9.0, -9.0, -9.0, -2.5, -3.5]
+    """
+
+    def __init__(self, t: Array, sides: Array, lag: float, step: float):
+        self.t, count, around = t, len(t), (_OPEN + _ROUNDING) * step
+        self.runs = runs(sides)
+        self.of = np.full(count, -1)
+        self.open = np.full(count, -1)  # the value that says what is open, where that is
+        for number, (first, last) in enumerate(self.runs):
+            self.of[first : last + 1] = number
+            begin, end = np.searchsorted(t, t[first] + lag - around), np.searchsorted(t, t[last] + lag + around, side="right")
+            self.open[begin:end] = first
+        self.middle = np.array([0.5 * (t[first] + t[last]) for first, last in self.runs])
+        self.before = np.array([max(first - 2, 0) for first, _ in self.runs], int)
+        self.after = np.array([min(last + 1, count - 2) for _, last in self.runs], int)
+
+    def delayed(self, h: Array, delay: float) -> Any:
+        """Values of the strokes so much later, and what is open between them."""
+        left, part = self._places(delay)
+        return np.where(self.open >= 0, h[self.open], h[left] + (h[left + 1] - h[left]) * part)
+
+    def slope(self, h: Array, delay: float) -> Any:
+        """The change of these with time."""
+        left, _ = self._places(delay)
+        return np.where(self.open >= 0, 0.0, (h[left + 1] - h[left]) / (self.t[left + 1] - self.t[left]))
+
+    def _places(self, delay: float) -> tuple[Any, Any]:
+        """The value before each instant, and how far that is on the way to the next one: of a straight line within the same stroke."""
+        t, at = self.t, self.t - delay
+        left = np.clip(np.searchsorted(t, at, side="right") - 1, 0, len(t) - 2)
+        run = np.maximum(self.of[left], self.of[left + 1])
+        if len(self.runs):
+            left = np.where(run < 0, left, np.where(at < self.middle[run], self.before[run], self.after[run]))
+        part = (at - t[left]) / (t[left + 1] - t[left])
+        inside = (at >= t[0]) & (at <= t[-1])
+        return left, np.where(inside, np.clip(part, -2.0, 3.0), np.clip(part, 0.0, 1.0))

@@ -1,0 +1,54 @@
+"""Delays of load cells beside forces that jump where the motion turns, and steps where data do not determine a number."""
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from stickslip.inverse.identification.damped_steps import damped_steps
+
+LOAD = 40.0
+
+
+def rig(late: float, rate: float, law: str, noise: float = 0.0) -> ss.Record:
+    """Strokes that turn exactly at a sample, under a force of 10 N, and 13 N near rest, that jumps and is shown late."""
+    t = np.arange(0.0, 8.0, 1 / rate)
+    moved = lambda s: (3.8e-3 * np.sin(np.pi * s), 3.8e-3 * np.pi * np.cos(np.pi * s))  # noqa: E731
+    x, v = moved(t)[0], moved(t - late)[1]
+    F = np.sign(v) * (10.0 + (3.2 * np.exp(-((v / 8e-4) ** 2)) if law == "Stribeck" else 0.0))
+    random = np.random.default_rng(0)
+    x = x + random.normal(0.0, 1.0, len(t)) * noise
+    return ss.Record.of(t, {"x [m]": x, "F [N]": F + random.normal(0, 0.05, len(t))}, roles={"x": "position", "F": "force"})
+
+
+@pytest.mark.parametrize(("late", "rate", "noise"), [(0.0, 250.0, 0.0), (5e-3, 250.0, 1e-10), (1e-3, 500.0, 1e-6)])
+def test_a_delay_beside_a_force_that_jumps_where_the_motion_turns(late, rate, noise):
+    """One or two samples at each reversal, of which nobody knows on which side they are, made a delay of 18 standard errors of nothing."""
+    free = {"mu_plus": (0.05, 0.6), "f_plus": (0.05, 0.8), "v_s": (1e-4, 1e-2, "log")}
+    tied = {"mu_minus": "mu_plus", "f_minus": "f_plus"}
+    fit = ss.identify(rig(late, rate, "Stribeck", noise), ss.Stribeck, free=free, tied=tied, load=LOAD, starts=4)
+    value, error = fit.sensor["delay"]
+    assert abs(value - late) < 3.5 * error and error < 0.5 / rate
+    for name, truth in {"mu_plus": 0.25, "f_plus": 0.33, "v_s": 8e-4}.items():
+        assert abs(fit.values[name] - truth) < 3.5 * fit.errors[name]
+
+
+def test_jumps_alone_tell_a_delay_to_a_sample_or_two():
+    for late in (0.0, 2e-2):
+        fit = ss.identify(rig(late, 250.0, "Coulomb"), ss.Coulomb, free={"mu_plus": (0.05, 0.6)}, tied={"mu_minus": "mu_plus"}, load=LOAD,
+                          starts=4)  # fmt: skip
+        value, error = fit.sensor["delay"]
+        assert abs(value - late) < 2.5 * error and 2e-3 < error < 1.6e-2
+        assert abs(fit.values["mu_plus"] - 0.25) < 2 * fit.errors["mu_plus"] and fit.sensor["gain"][0] == pytest.approx(1.0, abs=1e-3)
+
+
+def test_steps_go_on_where_a_number_has_no_effect():
+    """Of y = a b, with b known to be 1 +- 0.02, and a number without effect; SciPy's steps stop at once with a column of zeros."""
+    y, until = np.full(2000, 3.0) + np.random.default_rng(0).normal(0, 0.01, 2000), (1e-12, 1e-12, 60, 1e-6)
+    residuals = lambda p: np.append((p[0] * p[1] - y) / 0.01, (p[1] - 1) / 0.02)  # noqa: E731
+    columns = lambda p: np.stack([np.full(2000, p[1]), np.full(2000, p[0]), np.zeros(2000)], axis=1) / 0.01  # noqa: E731
+    jacobian = lambda p: np.concatenate([columns(p), [[0.0, 50.0, 0.0]]])  # noqa: E731
+    start, high = np.array([3.1, 0.97, 0.3]), np.full(3, 9.0)
+    end = damped_steps(residuals, jacobian, start, (np.zeros(3), high), until)
+    assert end.x == pytest.approx([y.mean(), 1.0, 0.3], abs=1e-5) and end.promised < 1e-6
+    at_a_bound = damped_steps(residuals, jacobian, start, (np.array([3.05, 0, 0]), high), until)
+    assert at_a_bound.x[0] == 3.05 and at_a_bound.x[1] == pytest.approx(y.mean() / 3.05, rel=1e-4)
