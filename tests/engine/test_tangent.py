@@ -19,7 +19,7 @@ from problems import chain, module
 from rows import each_row
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.dynamics.derivatives.slopes import number_slopes, start_changes
-from stickslip.dynamics.derivatives.tangents import changes_along, jacobian_of
+from stickslip.dynamics.derivatives.tangents import Directions, changes_along, jacobian_of
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, flow_map, state_at_rest, strobe_map
 from stickslip.engine import taylor
@@ -92,7 +92,7 @@ def test_changes_by_the_start_and_by_every_number_are_those_of_exact_runs(name):
     sizes, count = [*places.values(), *numbers.values()], len(places) + len(numbers)
     starts = np.vstack([np.diag(list(places.values())), np.zeros((len(numbers), len(places)))])
     along = {n: sizes[i] * np.eye(count)[i] for i, n in enumerate(numbers, start=len(places))}
-    found = changes_along(machine, np.tile(state, (count, 1)), starts, along, 1 if span else 2, span=span)
+    found = changes_along(machine, np.tile(state, (count, 1)), starts, 1 if span else 2, Directions(along, span=span))
     exact = np.column_stack([found.change, found.way_change])
     units = np.append(coordinates(machine).scales, np.max(coordinates(machine).scales) * (span or 2 * float(machine.period)))
     own, bent = dict(leaves(machine)), 0
@@ -121,7 +121,7 @@ def test_the_motion_itself_is_the_same_to_the_last_bit():
     """Changes ride along: no step, no event and no other state knows of them."""
     for machine in (MACHINES["chain of two"], MACHINES["capsule with restitution"], MACHINES["three masses at prescribed distances"]):
         state = start_of(machine)
-        alone, together = strobe_map(machine, state, 5), changes_along(machine, state[None], np.ones((1, len(state))), None, 5)
+        alone, together = strobe_map(machine, state, 5), changes_along(machine, state[None], np.ones((1, len(state))), 5)
         assert np.array_equal(alone.state, together.state)
 
 

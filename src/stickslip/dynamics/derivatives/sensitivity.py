@@ -15,7 +15,7 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.notebook_display import Drawn
 from stickslip.basics.number_names import numbers_meant, unequal_sides
 from stickslip.dynamics.derivatives.slopes import number_slopes, period_of, start_changes
-from stickslip.dynamics.derivatives.tangents import Changes, changes_along, not_followed
+from stickslip.dynamics.derivatives.tangents import Changes, Directions, changes_along, not_followed
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit, periodic_orbit
 from stickslip.dynamics.periodic.steady_motions import ClosedMotions, Closing
@@ -277,7 +277,7 @@ def _of_run(run: Trajectory, moved: dict[str, tuple[str, ...]]) -> Sensitivity:
     states = np.tile(states_of(run.start or None, model)[0], (k, 1))
 
     def after(periods: int) -> Changes:
-        return changes_along(model, states, starts, numbers, periods, min(run.rtol, _TOLERANCE), span)
+        return changes_along(model, states, starts, periods, Directions(numbers, min(run.rtol, _TOLERANCE), span))
 
     last, settle = after(run.periods), 0 if span else run.settle
     way, d_way = last.way, last.way_change

@@ -5,6 +5,7 @@ They are passive states of the system itself (`stickslip.engine.tangent`), a lan
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -58,10 +59,41 @@ class Changes:
     integral_changes: Any = ()
 
 
-def changes_along(
-    model: Model, states: Array, starts: Array, numbers: dict[str, Array] | None = None, periods: int = 1, rtol: float = 1e-12,
-    span: Any = None, order: int = 0, made: Any = tangent,
-) -> Changes:  # fmt: skip
+@dataclass(frozen=True, eq=False)
+class Directions:
+    """Along what small changes are followed besides the start, and how.
+
+    Parameters
+    ----------
+    numbers : dict of arrays (cases,), optional
+        Changes of the model's numbers, by name. The strobe moves with the period: ends are compared at the same part of it.
+    rtol : float
+        Tolerance of the runs.
+    span : float or array, optional
+        How long a period is, for models that have none [s].
+    order : int
+        What happens at one instant happens in the order of the guards (1), against it (-1), or as rounding has it (0).
+    made : callable
+        What is made of the system: `tangent`, or `tangent_and_volume`, whose volume comes with it.
+    observe : tuple of (name, Observable)
+        A user's own signals.
+    integrals : int
+        How many integrals over time `made` adds.
+    more : dict of arrays (cases,), optional
+        Numbers of the kernel that are none of the model.
+    """
+
+    numbers: dict[str, Array] | None = None
+    rtol: float = 1e-12
+    span: Any = None
+    order: int = 0
+    made: Any = tangent
+    observe: Any = ()
+    integrals: int = 0
+    more: dict[str, Array] | None = None
+
+
+def changes_along(model: Model, states: Array, starts: Array, periods: int = 1, how: Directions = Directions()) -> Changes:
     """Follow small changes of the start and of the model's numbers for some drive periods.
 
     Parameters
@@ -72,22 +104,16 @@ def changes_along(
         Strobe states in the order of `coordinates`.
     starts : array (cases, states)
         Changes of the states.
-    numbers : dict of arrays (cases,), optional
-        Changes of the model's numbers, by name. The strobe moves with the period: ends are compared at the same part of it.
     periods : int
         Drive periods.
-    span : float, optional
-        How long a period is, for models that have none [s].
-    order : int
-        What happens at one instant happens in the order of the guards (1), against it (-1), or as rounding has it (0).
-    made : callable
-        What is made of the system: `tangent`, or `tangent_and_volume`, whose volume comes with it.
+    how : Directions
+        Changes of the model's numbers, and how they are followed.
     """
     from stickslip.solvers.time_dependence import check_period
 
     check_functions(model)
     check_period(model)
-    return Follower(model, len(states), numbers, rtol, span, order, made).after(states, starts, periods)
+    return Follower(model, len(states), how).after(states, starts, periods)
 
 
 class Follower:
@@ -95,31 +121,23 @@ class Follower:
 
     Parameters
     ----------
-    model, numbers, rtol, span, order, made
+    model : Robot or machine
         As for `changes_along`.
     cases : int
         How many directions there are.
+    how : Directions
+        As for `changes_along`.
     at : Coordinates, optional
         Of the model, where they are known.
-    observe : tuple of (name, Observable)
-        A user's own signals.
-    integrals : int
-        How many integrals over time `made` adds.
-    more : dict of arrays (cases,), optional
-        Numbers of the kernel that are none of the model.
     """
 
-    def __init__(
-        self, model: Model, cases: int, numbers: dict[str, Array] | None = None, rtol: float = 1e-12, span: Any = None, order: int = 0,
-        made: Any = tangent, at: Coordinates | None = None, observe: Any = (), integrals: int = 0,
-        more: dict[str, Array] | None = None,
-    ):  # fmt: skip
-        self.model, self.at, self.given = model, coordinates(model) if at is None else at, numbers or {}
-        tableau, self.tolerance = map_method(model, rtol)
+    def __init__(self, model: Model, cases: int, how: Directions = Directions(), at: Coordinates | None = None):
+        self.model, self.at, self.given = model, coordinates(model) if at is None else at, how.numbers or {}
+        tableau, self.tolerance = map_method(model, how.rtol)
         self.is_exact = tableau is None
-        self.kernel = lanes.ordered(lanes.kernel_of(model, tableau, False, observe, made, noted=integrals > 0), order)
-        self.integrals, self.more = integrals, more
-        self.span, self.slopes = 0.0 if span is None else span, Slopes(model, self.given, cases)
+        self.kernel = lanes.ordered(lanes.kernel_of(model, tableau, False, how.observe, how.made, noted=how.integrals > 0), how.order)
+        self.integrals, self.more = how.integrals, how.more
+        self.span, self.slopes = 0.0 if how.span is None else how.span, Slopes(model, self.given, cases)
 
     @cached_property
     def period(self) -> tuple[Array, Array]:
@@ -231,7 +249,9 @@ def jacobians_of(model: Model, states: Array, periods: int = 1, rtol: float = 1e
     """The same for each case of a batch, or for several states of one: array (cases, states, states)."""
     cases, d = len(states), coordinates(model).smooth
     each = some_of(model, np.repeat(np.arange(cases), d))
-    changes = changes_along(each, np.repeat(states, d, axis=0), np.tile(np.eye(d), (cases, 1)), None, periods, rtol, span, order)
+    changes = changes_along(
+        each, np.repeat(states, d, axis=0), np.tile(np.eye(d), (cases, 1)), periods, Directions(rtol=rtol, span=span, order=order)
+    )
     return changes.change.reshape(cases, d, d).transpose(0, 2, 1)
 
 

@@ -22,7 +22,7 @@ import numpy as np
 
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.interruption import look, partial_result
-from stickslip.dynamics.derivatives.tangents import changes_along
+from stickslip.dynamics.derivatives.tangents import Directions, changes_along
 from stickslip.dynamics.exponents.general_exponents import Lyapunov
 from stickslip.dynamics.exponents.lost_directions import summary, with_lost
 from stickslip.dynamics.flows.flow_stretches import passage
@@ -130,7 +130,7 @@ def _of_machine(model: Model, at: Coordinates, rtol: float, begins: Array, took:
     scales = at.scales[: at.smooth]
     count, d = len(begins), len(scales)
     states, starts = np.repeat(begins, d, axis=0), np.tile(np.diag(scales), (count, 1))
-    changes = changes_along(model, states, starts, rtol=rtol, span=np.repeat(took, d), made=tangent_and_volume)
+    changes = changes_along(model, states, starts, how=Directions(rtol=rtol, span=np.repeat(took, d), made=tangent_and_volume))
     h = _BRIEFLY * _time_of(at)
     soon, later = (flow_map(model, begins, k * h).state[:, :d] for k in (1.0, 2.0))
     rates = (4.0 * soon - 3.0 * begins[:, :d] - later) / (2.0 * h)

@@ -17,7 +17,7 @@ from stickslip.basics.executors import HERE, Workers
 from stickslip.basics.fields import checked_number
 from stickslip.basics.interruption import interruptible, look, partial_result
 from stickslip.basics.quantities import between
-from stickslip.dynamics.derivatives.tangents import Changes, changes_along, not_followed
+from stickslip.dynamics.derivatives.tangents import Changes, Directions, changes_along, not_followed
 from stickslip.dynamics.exponents.between_returns import ALIGN, CHUNK, LEAST, between_returns
 from stickslip.dynamics.exponents.general_exponents import Lyapunov, error_of_mean, exponents_of, grown
 from stickslip.dynamics.exponents.lost_directions import summary, with_lost
@@ -174,7 +174,7 @@ def _periods_of(run: Trajectory) -> Changes:
     at, begins = coordinates(run.model), strobe_states(run)[: run.periods]
     scales = at.scales[: at.smooth]
     starts = np.tile(np.diag(scales), (run.periods, 1))
-    changes = changes_along(run.model, np.repeat(begins, at.smooth, axis=0), starts, rtol=run.rtol, made=tangent_and_volume)
+    changes = changes_along(run.model, np.repeat(begins, at.smooth, axis=0), starts, how=Directions(rtol=run.rtol, made=tangent_and_volume))
     return replace(changes, change=changes.change / scales)
 
 

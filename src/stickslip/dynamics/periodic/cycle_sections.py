@@ -14,7 +14,7 @@ import numpy as np
 from stickslip.analysis.section_choice import Cut
 from stickslip.basics.contracts import Array, Model
 from stickslip.dynamics.derivatives.slopes import number_slopes
-from stickslip.dynamics.derivatives.tangents import changes_along
+from stickslip.dynamics.derivatives.tangents import Directions, changes_along
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, flow_map, state_at
 from stickslip.models.machine_adapter import machine_of
 
@@ -88,7 +88,7 @@ class Section:
         starts = np.vstack([free, moved]) if given else free
         parts = {name: np.append(np.zeros(len(free)), slope) for name, slope in given.items()}
         states = np.repeat(self.states(model, at, u[None, :], memory), len(starts), axis=0)
-        change = changes_along(model, states, starts, parts, 1, rtol, span=T).change - starts
+        change = changes_along(model, states, starts, how=Directions(parts, rtol, T)).change - starts
         change[len(free) :, 0] -= shift * T
         J = np.insert((change / at.scales[: at.smooth]).T, len(free), (missed[1] - missed[2]) / (2.0 * _RATE), axis=1)
         return missed[0], J

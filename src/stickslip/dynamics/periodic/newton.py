@@ -19,6 +19,7 @@ Slopes = Callable[[Array], tuple[Array, Array]]  # unknowns -> residuals there, 
 STEP = 1e-6  # half the distance of the points of a central difference
 _PATTERNS = 6  # sets of whole numbers that are tried
 _NEXT_TO_NOTHING, _PROBED = 1e-8, 1e-3  # lengths of steps: what rounding leaves, and over which slopes are compared
+_ROUNDED = 1e-12  # a residual that is rounding wherever one is
 _NO_ROOT = "its steps do not converge, as beside a fold behind which there is no such motion"
 SHARES = np.array([0.5, 0.25, 0.1, 0.03, 0.01, 0.003])  # of a step that went too far, tried together
 
@@ -94,7 +95,7 @@ def newton(
     def stopped(why: str) -> Root:
         if size > floor:
             return ended(False, why)
-        good = _converges(at, u, F, J)
+        good = size <= _ROUNDED or _converges(at, u, F, J)
         return ended(good, "found, to rounding" if good else _NO_ROOT)
 
     for k in range(most + 1):

@@ -15,7 +15,7 @@ from stickslip.basics.errors import Problems, SolveError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible
 from stickslip.basics.variables import unit_of
-from stickslip.dynamics.derivatives.tangents import changes_along, jacobian_of, not_followed, orders_differ
+from stickslip.dynamics.derivatives.tangents import Directions, changes_along, jacobian_of, not_followed, orders_differ
 from stickslip.dynamics.flows.flow_cycles import cycle_of_flow, cycle_shown
 from stickslip.dynamics.flows.flow_orbits import FlowOrbit, flow_orbit
 from stickslip.dynamics.periodic.closed_orbits import NEUTRAL, ClosedMotion, multipliers_of, resting
@@ -358,7 +358,7 @@ def _solve(model: Model, period: int, state: Array, rtol: float, tolerance: floa
 
     def slopes(memory: Array) -> Any:
         def at_point(u: Array) -> tuple[Array, Array]:
-            changes = changes_along(model, np.tile(np.append(u * scales, memory), (d, 1)), np.diag(scales), None, period, rtol)
+            changes = changes_along(model, np.tile(np.append(u * scales, memory), (d, 1)), np.diag(scales), period, Directions(rtol=rtol))
             return missed(changes.state[0][:d], u), (changes.change / scales).T - np.eye(d)
 
         return at_point

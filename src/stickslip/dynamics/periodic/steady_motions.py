@@ -15,7 +15,7 @@ import numpy as np
 from stickslip.basics.batch import labels_of, some_of, spread_over_cases
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.frozen_arrays import sealed
-from stickslip.dynamics.derivatives.tangents import Follower
+from stickslip.dynamics.derivatives.tangents import Directions, Follower
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, as_it_ends, has_arcs, refuse_chance, run_lanes, state_at_rest
 from stickslip.engine.tangent import tangent, tangent_of_means
 from stickslip.models.machine_adapter import machine_of
@@ -155,7 +155,7 @@ class Closing:
         each = model if motions == 1 else some_of(model, np.repeat(np.arange(motions), d + count))
         self.starts = np.tile(np.vstack([np.diag(self.scales), np.zeros((count, d))]), (motions, 1))
         made = tangent_of_means if means else tangent
-        self.follower = Follower(each, motions * (d + count), numbers, rtol, made=made, at=at, observe=observe, integrals=means)
+        self.follower = Follower(each, motions * (d + count), Directions(numbers, rtol, made=made, observe=observe, integrals=means), at)
 
     def at_state(self, state: Array, period: int, directions: bool = True, loose: float = 1.0) -> ClosedMotions:
         """The motions that begin in some states (motions, coordinates), over so many drive periods.

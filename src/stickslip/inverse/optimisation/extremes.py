@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 from stickslip.analysis.state_order import coordinates_in
 from stickslip.basics.batch import numbers_by_name
 from stickslip.basics.contracts import Array, Model, Numeric
-from stickslip.dynamics.derivatives.tangents import Follower
+from stickslip.dynamics.derivatives.tangents import Directions, Follower
 from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates
 from stickslip.engine.graphs import Along
@@ -175,7 +175,7 @@ class Looked:
 
     def _follower(self, parts: Array) -> Follower:
         """The tangent up to a part of the period."""
-        return Follower(self.model, self.count, self.seeds, self.orbit.rtol, made=tangent_until, at=self.at, more={PART: parts})
+        return Follower(self.model, self.count, Directions(self.seeds, self.orbit.rtol, made=tangent_until, more={PART: parts}), self.at)
 
     def _until(self, t: float, piece: int) -> tuple[Array, Array, Array, float]:
         """The states of lanes, their changes and that of the last switch at an instant; and the instant in its drive period."""

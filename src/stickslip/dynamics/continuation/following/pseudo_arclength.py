@@ -19,7 +19,7 @@ from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.continuation.following.arclength import in_plane, tangent_of
 from stickslip.dynamics.continuation.one_parameter import Family
-from stickslip.dynamics.derivatives.tangents import changes_along, jacobians_of, not_followed
+from stickslip.dynamics.derivatives.tangents import Directions, changes_along, jacobians_of, not_followed
 from stickslip.dynamics.flows.flow_orbits import orbit_at
 from stickslip.dynamics.periodic.newton import STEP, Root, newton_within, slopes_at
 from stickslip.dynamics.periodic.periodic_orbits import RUNS, PeriodicOrbit
@@ -155,9 +155,8 @@ class Path:
         model, d = self.robot(u), len(self.scales)
         starts = np.vstack([np.diag(self.scales), np.zeros((1, d))])
         numbers = {name: np.append(np.zeros(d), slope * self.span) for name, slope in by_value.items()}
-        changes = changes_along(
-            model, np.tile(np.append(u[:-1] * self.scales, memory), (d + 1, 1)), starts, numbers, self.period, self.rtol
-        )
+        states = np.tile(np.append(u[:-1] * self.scales, memory), (d + 1, 1))
+        changes = changes_along(model, states, starts, self.period, Directions(numbers, self.rtol))
         return self.missed(changes.state[0], u), (changes.change / self.scales).T - np.eye(d, d + 1)
 
     def derivative(self, u: Array, memory: Array, by_value: dict[str, float] | None, step: float = STEP) -> tuple[Array, Array]:
