@@ -44,29 +44,36 @@ def at_landings(run: Any, mechanics: Any) -> list[tuple[float, float, float, flo
 
     An impulse works with the mean of the velocities before and after it.
     """
-    landings = []
+    landings: list[tuple[float, float, float, float, str]] = []
+    done = set[int]()
     for node, event in run._flights:
         i, t = list(run.contacts).index(event.part), run.pieces.t[[node]]
         (x, before, _), (_, after, _) = (run._states_at(t, np.array([piece])) for piece in (node - 1, node))
         q = mechanics.coordinates_of(tuple(x[0]))
-        slips = [np.array(mechanics.slips(t[0], mechanics.coordinates_of(tuple(v[0])), q), float)[i] for v in (before, after)]
-        mean = 0.5 * (slips[0] + slips[1])
+        slips = np.array([mechanics.slips(t[0], mechanics.coordinates_of(tuple(v[0])), q) for v in (before, after)], float)
         if mechanics.joined:
-            across, along = _impulses(mechanics, i, q, after[0] - before[0])
-            rates = [float(mechanics.heights(float(t[0]), q, tuple(v[0]))[event.part][1]) for v in (before, after)]
-            given = -along * float(np.asarray(mechanics.offsets(t[0])[i], float))
-            landings.append((float(t[0]), along * mean, -across * 0.5 * (rates[0] + rates[1]), given, event.part))
+            if event.kind == "landing" and node not in done:
+                done.add(node)
+                landings += _in_plane(mechanics, float(t[0]), q, before[0], after[0], slips)
             continue
+        mean = 0.5 * (slips[0, i] + slips[1, i])
         gained = float(mechanics.kinetic(after)[0] - mechanics.kinetic(before)[0])
         j = mechanics.coordinate_of(mechanics.joints[event.part].body)
-        taken = -float(mechanics.masses[j]) * (slips[1] - slips[0]) * mean
+        taken = -float(mechanics.masses[j]) * (slips[1, i] - slips[0, i]) * mean
         landings.append((float(t[0]), float(taken), 0.0, gained + float(taken), event.part))
     return landings
 
 
-def _impulses(mechanics: Any, i: int, q: Any, change: Any) -> tuple[float, float]:
-    """The impulses across and along [N s] that make a change of the coordinates' rates at the point of a contact."""
-    struck = mechanics.struck(i, q)
-    made = np.array([struck.moved_across, [-of for of in struck.moved_along]], float).T
-    across, along = np.linalg.lstsq(made, np.asarray(change, float), rcond=None)[0]
-    return float(across), float(along)
+def _in_plane(mechanics: Any, t: float, q: Any, before: Any, after: Any, slips: Any) -> list[tuple[float, float, float, float, str]]:
+    """The same of a hit of a point of a body, at all points that may fly: their impulses make the change of the coordinates' rates."""
+    struck = [mechanics.struck(i, q) for i in mechanics.flying]
+    made = np.array([[*of.moved_across] for of in struck] + [[-each for each in of.moved_along] for of in struck], float).T
+    impulses = np.linalg.lstsq(made, np.asarray(after - before, float), rcond=1e-10)[0].reshape(2, -1)
+    heights = [mechanics.heights(t, q, tuple(v)) for v in (before, after)]
+    losses = []
+    for across, along, i in zip(*impulses, mechanics.flying, strict=True):
+        name = mechanics.contacts[i]
+        up = 0.5 * sum(float(height[name][1]) for height in heights)
+        given = -along * float(np.asarray(mechanics.offsets(t)[i], float))
+        losses.append((t, float(along * slips[:, i].mean()), float(-across * up), given, name))
+    return losses

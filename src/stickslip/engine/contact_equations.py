@@ -11,6 +11,7 @@ from stickslip.engine.flight import add_flight, add_take_off_and_landing, side_i
 from stickslip.engine.landings import add_landing
 from stickslip.engine.pressed import Pressed, add_pressed, pressed_stops, settled_apart, settles, shut_at
 from stickslip.engine.refused import groups_of
+from stickslip.engine.several_feet import add_several
 from stickslip.engine.symbolic import Symbolic
 from stickslip.engine.symbols import Sym, TraceError
 from stickslip.engine.system import Branches, TracedContact
@@ -174,7 +175,10 @@ def add_contacts(parts: Assembly, speeds: list[Sym | None]) -> None:
             _add_dynamic(parts, i, speeds[i])
     for group in groups_of(m.reach, [i for i, law in enumerate(m.laws) if not law.dynamic]):
         if m.equations.joined and m.laws[group[0]].flies:
-            add_landing(parts, group[0], speeds)
+            if len(group) > 1:
+                add_several(parts, group, speeds)
+            else:
+                add_landing(parts, group[0], speeds)
         elif m.equations.joined or len({m.directions[i] for i in group}) > 1 or not brakes_one(m.directions[group[0]]):
             add_box(parts, group, speeds)
         elif len(group) > 1:
@@ -206,7 +210,7 @@ def loads_that_end(parts: Assembly, i: int) -> list[Sym]:
 def borders_of_loads(parts: Assembly, i: int) -> list[Sym]:
     """What is positive as long as one load of a contact follows from its motion, at rest to either side; nothing where it is given."""
     m, borders = parts.m, []
-    if not m.of_motion[i] or m.laws[i].dynamic:
+    if not m.of_motion[i] or m.laws[i].dynamic or len(m.equations.flying) > 1:
         return []
     slip, one, mode = parts.slip(i), m.graph.constant(1.0), parts.modes[i] if i < len(parts.modes) else None
     flight = parts.contacts[i].flight

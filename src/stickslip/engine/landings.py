@@ -23,7 +23,7 @@ from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Flight
 from stickslip.models.friction.law_adapter import TINY
 
-_MOMENT = 1e-8  # of the time scale, or of a second: rebounds that are over within it are over at once
+MOMENT = 1e-8  # of the time scale, or of a second: rebounds that are over within it are over at once
 _SLIP = "slip at a hit"
 
 
@@ -39,7 +39,7 @@ def add_landing(parts: Assembly, i: int, speeds: list[Sym | None]) -> None:
     """A contact alone under a law that rests exactly, which may leave what it rubs on and land again."""
     m, first = parts.m, len(parts.events)
     graph, one = m.graph, m.graph.constant(1.0)
-    flight = _flight_of(parts, i)
+    flight = flight_of(parts, i)
     box = add_box(parts, [i], speeds)
     mode, slip = parts.modes[i], m.slips[i]
     parts.events[first:] = [(graph.select(flight.aloft, one, guard), *then) for guard, *then in parts.events[first:]]  # type: ignore[misc]
@@ -53,7 +53,7 @@ def add_landing(parts: Assembly, i: int, speeds: list[Sym | None]) -> None:
     _add_hit(parts, i, flight, box, up)
 
 
-def _flight_of(parts: Assembly, i: int) -> Flight:
+def flight_of(parts: Assembly, i: int) -> Flight:
     """The states and the mode of its flight."""
     m = parts.m
     graph, one, zero = m.graph, m.graph.constant(1.0), m.graph.constant(0.0)
@@ -78,7 +78,7 @@ def _add_hit(parts: Assembly, i: int, flight: Flight, box: Box, up: Sym) -> None
     thrown, stays = (_hit(parts, i, rate, of) for of in (e, zero))
     after = Substituted(graph, {y.name: y + change for y, change in zip(m.y, stays.changes, strict=True)})
     time = 1.0 if m.machine.time_scale is None else m.lift(m.machine.time_scale)
-    over = _MOMENT * time * (1.0 - e) * -after.of(m.rising(i)) + 2.0 * (e * rate)  # > 0: so are the rebounds
+    over = MOMENT * time * (1.0 - e) * -after.of(m.rising(i)) + 2.0 * (e * rate)  # > 0: so are the rebounds
     rests = after.of(box.decided({i: zero})[i])
     exactly = {j: after.of(of) for j, of in without_slip(m, i).items()}
     states: dict[int, Any] = {flight.inner[0]: zero, flight.inner[1]: graph.select(over, zero, -(e * rate))}
@@ -96,7 +96,7 @@ def _hit(parts: Assembly, i: int, rate: Sym, e: Sym) -> _Hit:
     struck, zero, one = m.struck(i), parts.m.graph.constant(0.0), parts.m.graph.constant(1.0)
     A, B, G = (m.lift(each) for each in (struck.across, struck.between, struck.along))
     w, gained = m.slips[i], -((1.0 + e) * rate)
-    forwards, backwards = (m.lift(struck.steepness) * _per_impulse(parts, i, side) for side in (1.0, -1.0))
+    forwards, backwards = (m.lift(struck.steepness) * per_impulse(parts, i, side) for side in (1.0, -1.0))
     holding = (w + B * gained / A) / (G - B * B / A)  # the impulse along that leaves no slip
     across = (gained + B * holding) / A
     side = graph.select(
@@ -108,7 +108,7 @@ def _hit(parts: Assembly, i: int, rate: Sym, e: Sym) -> _Hit:
     return _Hit(tuple(changes), side)
 
 
-def _per_impulse(parts: Assembly, i: int, side: float) -> Sym:
+def per_impulse(parts: Assembly, i: int, side: float) -> Sym:
     """Impulse along for one across while the point slips to a side: by the slip before it, or where that is to the other side by none."""
     m, graph = parts.m, parts.m.graph
     slip = graph.variable(_SLIP)

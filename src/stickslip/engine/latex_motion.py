@@ -53,6 +53,8 @@ def lines_of_motion(model: Model) -> list[str]:
     letters = letters_of(model, [name for name, _ in leaves(model)])
     traced = replace_leaf(model, letters.symbols)
     single = machine_of(model).one_body is not None
+    if len(machine_of(model).mechanics.flying) > 1:
+        raise InputError("latex", ["loads of several points on ground that pushes follow from one another; allowed is one such point"])
     try:
         mechanics: Any = OneBody(traced) if single else machine_of(traced).mechanics
         if mechanics.joined:

@@ -345,6 +345,14 @@ def _settled(system: System, changes: list[Sym], along: Along) -> dict[int, Sym]
             for j, part in _parts_of_slip(contact).items():
                 old = now.get(first + j, changes[j])
                 now[first + j] = graph.by_side(system.modes[number], old, old, old - slips * part)
+    if len(system.heights) > 1:
+        raise InputError(
+            "changes along runs",
+            [
+                "several points on ground that pushes are not followed yet, as gradients, orbits with multipliers and exponents ask for; "
+                "allowed is one such point; type ss.solve or ss.sweep, and differences of runs"
+            ],
+        )
     for flight in (contact.flight for contact in exact if contact.flight is not None):  # a gap that is closed stays closed
         own = tuple(map(along.of, flight.point)) or tuple(changes[k] for k in flight.inner)
         now |= {first + k: graph.select(flight.aloft, of, graph.constant(0.0)) for k, of in zip(flight.inner, own, strict=True)}

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.contracts import Array, ArrayLike
+from stickslip.models.feet_forces import forces_of_feet
 from stickslip.models.friction.law_adapter import TINY
 from stickslip.models.mechanics import Mechanics
 from stickslip.models.rails import load_under
@@ -61,6 +62,9 @@ def contact_columns(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: Ar
         if law.flies:  # its states are the gap and the gap's rate
             aloft[:, i] = (inner[0] != 0.0) | (inner[1] != 0.0) | (rates[1] != 0.0)
             R[aloft[:, i], i], loads[aloft[:, i], i] = 0.0, 0.0
+    if len(mechanics.flying) > 1:
+        feet = forces_of_feet(mechanics, mode, aloft, t, q, u, held)
+        return {"acceleration": feet.accelerations, "friction_force": feet.friction, "slip": slips, "load": feet.loads}
     resting = (mode == 0) & np.array([not law.dynamic for law in mechanics.laws], bool)
     for i, force in asking.items():
         for stop, shut in zip(mechanics.stops, closed.T, strict=True):  # a closed stop joins the bodies at its ends

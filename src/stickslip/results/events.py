@@ -116,7 +116,8 @@ def flights_of(pieces: Any, aloft: Array) -> list[tuple[int, Event]]:
         contact, up, mode = pieces.layout.contacts[i], aloft[:, i], pieces.mode[:, i]
         rate = pieces.coefficients[:, contact.inner[1]]
         before, after = rate[:-1].sum(axis=1), rate[1:, 0]
-        thrown = (before < 0.0) & (after >= 0.0) & up[:-1]
+        closed = pieces.coefficients[1:, contact.inner[0], 0] == 0.0  # else a hit elsewhere has thrown up what flies
+        thrown = (before < 0.0) & (after >= 0.0) & up[:-1] & closed
         kinds = np.select([~up[:-1] & up[1:], thrown | (up[:-1] & ~up[1:])], ["take-off", "landing"], "")
         for n in np.flatnonzero(kinds != ""):
             speed = float(before[n]) if kinds[n] == "landing" else None

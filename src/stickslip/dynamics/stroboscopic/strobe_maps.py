@@ -293,7 +293,8 @@ def states_of_start(what: str, model: Model, start: Any, at: Coordinates | None 
     problems, at = Problems(what), coordinates(model) if at is None else at
     n = at.mechanics.coordinates
     table = start_states(model, labels_of(model), start, problems)
-    problems.check()
+    if start is not None or not at.mechanics.flying:  # whose coordinates are all zero may stand in the ground
+        problems.check()
     q, u, rest = np.split(table, [n, 2 * n], axis=1)
     inner = rest.shape[1] - at.memories
     return np.column_stack([*at.order.joined(list(q.T), list(u.T), list(rest.T[:inner])), rest[:, inner:]])

@@ -6,6 +6,8 @@ import random
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from stickslip.basics.errors import Problems, did_you_mean
 from stickslip.basics.fields import checked_number, everywhere
 from stickslip.basics.time_rates import Moving
@@ -21,6 +23,8 @@ from stickslip.models.said_of_motion import inertia_of_machine, kinetic_of_machi
 _SAME = 1e-9  # of its size: how much static friction may differ from kinetic
 _FLAT = 1e-12  # of the product of a matrix's diagonal: a determinant that is zero
 _LOOKS = 3
+_FLAT_ROWS = 1e-9  # of their largest part: rows of which one follows from the others
+_FEET = 2  # points that push on the ground at once
 _PLACES = 'def places(self, t, q): return {"cart": (q["x"], 0.0)}'
 
 
@@ -154,6 +158,8 @@ def _check_numbers(m: AnyCoordinates, problems: Problems) -> None:
     for i, contact in enumerate(m.touching if not problems.mistakes else ()):
         if contact.is_held:
             _check_rail(m, i, problems)
+    if not problems.mistakes and len(m.flying) > 1:
+        _check_feet(m, states, problems)
 
 
 def _lost(m: AnyCoordinates, states: list[tuple[float, ...]]) -> list[str]:
@@ -179,12 +185,36 @@ def _lost(m: AnyCoordinates, states: list[tuple[float, ...]]) -> list[str]:
     return lost
 
 
+def _check_feet(m: AnyCoordinates, states: list[tuple[float, ...]], problems: Problems) -> None:
+    """Note points that touch, or rest, together in more ways than coordinates can decide."""
+    names, feet = " and ".join(map(repr, m.contacts)), [contact for contact in m.touching if contact.keeps_height]
+    one_body = len({contact.contact.body for contact in feet}) == 1
+    if one_body and any(contact.curve is not None for contact in feet):
+        problems.add(
+            f"contacts() {names} are two points of one body on a curve; two points of one are solved for on flat ground; "
+            "leave on out, or one of them"
+        )
+        return
+    for q in states:
+        rows = [of for contact in feet for of in (contact.heights_at(q), *(() if one_body else (contact.row_at(q),)))]
+        table = np.array([[float(np.ravel(part)[0]) for part in row] for row in rows])
+        if np.linalg.matrix_rank(table, tol=_FLAT_ROWS * np.max(abs(table))) < len(rows):
+            problems.add(
+                f"contacts() {names}: no coordinates decide what each of them bears where both touch or rest; allowed are points that "
+                "coordinates can move apart, such as two of a body with an angle; leave one of them out"
+            )
+            return
+
+
 def _check_rail(m: AnyCoordinates, i: int, problems: Problems) -> None:
     """Note a rail whose load cannot be solved for."""
     where, given, law = f"contacts()[{m.contacts[i]!r}]", m.touching[i].contact, m.laws[i]
     type_load = "type load=, a force [N] or a function of time and coordinates"
-    if len(m.contacts) > 1:
-        problems.add(f"{where}: a load that follows from the motion is solved for where it is the only contact; {type_load}")
+    if len(m.contacts) > 1 and not 1 < len(m.flying) == len(m.contacts) <= _FEET:
+        problems.add(
+            f"{where}: a load that follows from the motion is solved for where it is the only contact, or one of two points that "
+            f'push, each with hold="push" and restitution=; {type_load}'
+        )
     if len(m.along(0.0, m.start)[given.body]) == 1:
         problems.add(f"{where}: {given.body!r} moves along a line, which has no normal; its place has to be (x, z); or {type_load}")
     elif m.touching[i].rubs_on_body and loose(m) != [given.on]:

@@ -134,6 +134,10 @@ class Equations:
 
     def _count(self) -> None:
         self.n, self.k = len(self.masses), len(self.laws)
+        if len(self.mechanics.flying) > 1:
+            raise SolveError(
+                'several points that push on the ground at once are not known to SciPy\'s judge; allowed is method="exact", or "auto"'
+            )
         self.applied = [i for i, law in enumerate(self.laws) if law.needs_applied]
         if any(self.G[i][j] != 0 for i in self.applied for j in range(self.k) if j != i):
             names = ", ".join(self.laws[i].name for i in self.applied)
