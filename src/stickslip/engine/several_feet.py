@@ -341,7 +341,7 @@ def _impulses(feet: Feet, touches: Numbers, before: Numbers, e: Numbers, may_lif
     m, graph, group, one = feet.m, feet.graph, feet.group, feet.one
     gaps, slips = {i: (1.0 + e[i]) * before[i] for i in group}, {i: m.slips[i] for i in group}
     slide = {i: tuple(feet.steepness[i] * per_impulse(feet.parts, i, side) for side in (1.0, -1.0)) for i in group}
-    found = Bearing(dict.fromkeys(group, feet.zero), dict.fromkeys(group, feet.zero))
+    answer = Bearing(dict.fromkeys(group, feet.zero), dict.fromkeys(group, feet.zero))
     for sides in reversed(feet.combinations()):
         bearing, up, along = feet.bearing_of(sides, gaps, slips, slide)
         given, conditions = dict(zip(group, sides, strict=True)), []
@@ -355,9 +355,9 @@ def _impulses(feet: Feet, touches: Numbers, before: Numbers, e: Numbers, may_lif
             slack = size / feet.G[i, i]
             conditions += [of + slack for of in feet.borne(i, resting, bearing)] if side == 0 else [side * along[i] + size]
         agrees = reduce(lambda rest, condition: graph.select(condition, rest, -one), conditions, one)
-        found = Bearing(*({i: graph.select(agrees, new[i], old[i]) for i in group} for new, old in zip(bearing, found, strict=True)))
-    up, _ = feet.rates(found, before, slips)
-    return found, up
+        answer = Bearing(*({i: graph.select(agrees, new[i], old[i]) for i in group} for new, old in zip(bearing, answer, strict=True)))
+    up, _ = feet.rates(answer, before, slips)
+    return answer, up
 
 
 def _over(feet: Feet, touches: Numbers, after: Numbers, thrown: Bearing) -> Sym:
