@@ -477,17 +477,29 @@ def test_a_worker_with_another_module_is_refused(tmp_path, monkeypatch):
     import importlib
 
     from stickslip.studies.model_identity import ModelIdentities
-    from stickslip.studies.running import _check_models, _elsewhere
+    from stickslip.studies.running import _check_models, _elsewhere, _Known
 
     (tmp_path / "rig_of_workers.py").write_text(MODULE.format(factor=1.0, doc=""))
     monkeypatch.syspath_prepend(tmp_path)
     module = importlib.import_module("rig_of_workers")
     plan = planned(module.rig, (), dict(amplitude=AMPLITUDES), None, None, 2, **SOLVER)
     asked, mine = (1, plan.alone(plan.points(1))), ModelIdentities(plan).of_tiles([1])[0]
-    _check_models(1, mine, _elsewhere(1, asked)[2])
+    _check_models(1, mine, _elsewhere(1, _Known(), asked)[2])
     monkeypatch.setattr(module, "FACTOR", 0.5)
     with pytest.raises(ss.InputError, match="a worker computed tile 1 with other models"):
-        _check_models(1, mine, _elsewhere(1, asked)[2])
+        _check_models(1, mine, _elsewhere(1, _Known(), asked)[2])
+
+
+def test_what_a_worker_knows_of_one_study_is_not_taken_for_another(tmp_path):
+    """Equations with an observable are others, of the same robots in the same worker."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    fastest = {"fastest": ss.observable(lambda s: s.v, "max")}
+    with ThreadPoolExecutor(1) as pool:
+        for name, observe in {"plain": None, "observed": fastest}.items():
+            how = dict(tilt_deg=1.7, law="coulomb", tile=1, observe=observe, executor=pool, out=tmp_path / name)
+            grid = ss.sweep(ss.presets.piezo_rig, amplitude=[4e-4, 5e-4], **how)
+            assert (grid.status <= 1).all()
 
 
 # ---- no false alarms ----

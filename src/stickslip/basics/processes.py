@@ -77,14 +77,15 @@ class _Call(Future[Any]):
 
     def __init__(self, inner: Future[Any]):
         super().__init__()
-        self._inner = inner
+        self._inner: Future[Any] | None = inner
 
     def cancel(self) -> bool:
         """Drop it if it has not begun."""
-        return self._inner.cancel()
+        return self._inner is not None and self._inner.cancel()
 
     def follow(self, inner: Future[Any], error: BaseException | None) -> None:
-        """End as the other one did."""
+        """End as the other one did, and let go of it: two that hold one another would keep their results until Python looks for such."""
+        self._inner = None
         if inner.cancelled():
             super().cancel()
             self.set_running_or_notify_cancel()

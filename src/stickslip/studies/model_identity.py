@@ -49,6 +49,8 @@ class ModelIdentities:
         Compare every so-many-th model of a tile; chosen by the plan if it is not given.
     keep : bool
         Keep models that a maker makes one by one when they are identified, for the tile to be solved with them (`made`).
+    kinds : dict, optional
+        What is known of the equations of models from other tiles of the study, and is noted here.
 
     Examples
     --------
@@ -61,12 +63,12 @@ class ModelIdentities:
     (True, False, 2)
     """
 
-    def __init__(self, plan: Plan, every: int | None = None, keep: bool = False):
+    def __init__(self, plan: Plan, every: int | None = None, keep: bool = False, kinds: dict[str, tuple[str, bool]] | None = None):
         self.plan, self.unchecked = plan, dict[str, None]()
         self._keep, self._kept = keep, dict[int, Made]()
         self.left_out: tuple[int, ...] = ()  # tiles of a folder whose models were not made again
         self._every = every
-        self._kinds: dict[str, tuple[str, bool]] = {}
+        self._kinds = {} if kinds is None else kinds
 
     @cached_property
     def every(self) -> int:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
+import secrets
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -163,6 +164,8 @@ def carried_out(plan: Plan, how: Execution) -> Any:
     todo = study.todo
     with partial_result() as ending:
         for k, columns, notes, models in tiles_of(plan, todo, crew, watch, study.identities):
+            if crew.elsewhere and models != study.manifest["models"][k] and study.identities is not None:
+                _check_models(k, study.identities.of_tiles([k])[0], models)
             study.write(k, columns, notes, models)
             watch.finished(k, columns["status"])
     study.finish()
@@ -230,10 +233,8 @@ def tiles_of(plan: Plan, todo: Iterable[int], crew: Workers, watch: Watch, ident
     """
     todo = list(todo)
     if crew.elsewhere:
-        every = identities.every if identities else None
-        for (k, _), (columns, notes, models) in handed_out(partial(_elsewhere, every), _alone(plan, todo), crew):
-            if identities:
-                _check_models(k, identities.of_tiles([k])[0], models)
+        work = partial(_elsewhere, identities.every if identities else None, _Known())
+        for (k, _), (columns, notes, models) in handed_out(work, _alone(plan, todo), crew):
             yield k, columns, notes, models
         return
     several = crew.threads > 1 and len(todo) > 1
@@ -250,10 +251,18 @@ def _alone(plan: Plan, tiles: list[int]) -> Iterator[tuple[int, Plan]]:
     return ((k, plan.alone(plan.points(k))) for k in tiles)
 
 
-def _elsewhere(every: int | None, tile: tuple[int, Plan]) -> tuple[dict[str, Array], dict[str, int], str]:
+@dataclass(eq=False)
+class _Known:
+    """What a worker knows of the equations of the models of one call: of another call's it keeps others, as options may be others there."""
+
+    call: str = field(default_factory=lambda: secrets.token_hex(8))
+    kinds: dict[str, tuple[str, bool]] = field(default_factory=dict)
+
+
+def _elsewhere(every: int | None, known: _Known, tile: tuple[int, Plan]) -> tuple[dict[str, Array], dict[str, int], str]:
     """Compute a tile in a worker; every so-many-th of its models is identified as it is there."""
     plan = tile[1]
-    return solved_models(plan, 0, 1, None, None if every is None else ModelIdentities(plan, every))
+    return solved_models(plan, 0, 1, None, None if every is None else ModelIdentities(plan, every, kinds=known.kinds))
 
 
 def _check_models(k: int, mine: str, theirs: str) -> None:
