@@ -1,11 +1,14 @@
 """Chunks on an executor: each result once, whatever happens to the workers, and how it ends."""
 
+import gc
 import os
 import pickle
 import signal
+import struct
 import threading
 import time
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from multiprocessing.connection import Connection
 
 import pytest
 
@@ -15,6 +18,7 @@ from stickslip.basics.errors import Problems
 from stickslip.basics.executors import Workers, packed
 from stickslip.basics.interruption import PROGRESS, interruptible, look, partial_result, stop_call
 from stickslip.basics.pool import handed_out
+from stickslip.basics.processes import Processes
 
 
 class Polled:
@@ -75,6 +79,27 @@ def test_of_processes_by_name_one_that_is_killed_costs_its_own_chunks(tmp_path):
     assert crew.threads == 2 and crew.elsewhere
     done = list(handed_out(work, range(60), crew))
     assert sorted(n for n, _ in done) == list(range(60)) and len({pid for _, pid in done}) <= 3
+
+
+def test_a_process_that_is_killed_while_it_sends_its_result_is_not_waited_for(tmp_path):
+    """A pool of `concurrent.futures` waits for the rest of the result for ever."""
+
+    def work(n):
+        if not (tmp_path / "killed").exists():
+            (tmp_path / "killed").touch()
+            pipes = [each for each in gc.get_objects() if isinstance(each, Connection)]
+            os.write(pipes[0].fileno(), struct.pack("!i", 1_000_000) + b"the first bytes of it")
+            os.kill(os.getpid(), signal.SIGKILL)
+        return n
+
+    assert sorted(handed_out(work, range(5), Workers(1, "processes:1"))) == [(n, n) for n in range(5)]
+    pool = Processes(1)
+    assert pool.submit(abs, -2).result() == 2
+    with pytest.raises(ss.StickslipError, match="TypeError: bad operand"):
+        pool.submit(abs, "two").result()
+    with pytest.raises(AttributeError, match=r"lambda|local object"):
+        pool.submit(lambda: 3).result()
+    pool.shutdown()
 
 
 class Broken(Executor):

@@ -1,16 +1,24 @@
-"""Processes of this computer as an executor: each alone in a pool, so that one that is killed costs what it was computing, and no more."""
+"""Processes of this computer as an executor: one that is killed costs what it was computing, and no more.
+
+The pool of `concurrent.futures` ends all of its processes when one is killed, and waits for ever for one that is killed while it sends a
+result. Here each process has a pipe of its own, of which the other end is closed with it.
+"""
 
 from __future__ import annotations
 
+import contextlib
 import multiprocessing
+import queue
+import signal
 import threading
 from collections.abc import Callable
-from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
-from functools import partial
+from concurrent.futures import Future
+from multiprocessing.connection import Connection
 from typing import Any
 
 from stickslip.basics.errors import StickslipError
 
+_PATIENCE = 5.0  # how long a process is waited for that was asked to end [s]
 _WHY = "killed, perhaps for its memory; or the script has no `if __name__ == '__main__':` before its calls, which new processes need"
 
 
@@ -20,8 +28,6 @@ class WorkerLost(StickslipError):
 
 class Processes:
     """An executor of processes, which are begun when they are needed, and one by one begun anew.
-
-    A call goes to the process that has the fewest. The pool of `concurrent.futures` ends all of its processes when one is killed.
 
     Parameters
     ----------
@@ -33,63 +39,109 @@ class Processes:
     """
 
     def __init__(self, count: int):
-        self._pools: list[ProcessPoolExecutor | None] = [None] * count
-        self._calls = [0] * count
-        self._lock = threading.RLock()
+        self._count = count
+        self._calls: queue.SimpleQueue[tuple[Future[Any], Any] | None] = queue.SimpleQueue()
+        self._threads: list[threading.Thread] = []
 
     def submit(self, function: Callable[..., Any], /, *args: Any) -> Future[Any]:
         """Begin a call, and return its future; it raises `WorkerLost` if its process is killed."""
-        with self._lock:
-            k = self._calls.index(min(self._calls))
-            pool = self._pools[k] or self._renewed(k)
-            try:
-                inner = pool.submit(function, *args)
-            except BrokenExecutor:  # killed since its last call
-                pool = self._renewed(k)
-                inner = pool.submit(function, *args)
-            self._calls[k] += 1
-        outer = _Call(inner)
-        inner.add_done_callback(partial(self._ended, k, pool, outer))
-        return outer
+        future = Future[Any]()
+        self._calls.put((future, (function, args)))
+        if len(self._threads) < self._count:
+            self._threads.append(threading.Thread(target=self._hand_over, daemon=True))
+            self._threads[-1].start()
+        return future
 
-    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """End the processes."""
-        for pool in filter(None, self._pools):
-            pool.shutdown(wait=wait, cancel_futures=cancel_futures)
+    def shutdown(self, wait: bool = True) -> None:
+        """End the processes, after the calls that were begun."""
+        for _ in self._threads:
+            self._calls.put(None)
+        for thread in self._threads if wait else ():
+            thread.join()
 
-    def _renewed(self, k: int) -> ProcessPoolExecutor:
-        # "spawn": a fork after threads of OpenMP hangs
-        self._pools[k] = made = ProcessPoolExecutor(1, multiprocessing.get_context("spawn"))
-        return made
-
-    def _ended(self, k: int, pool: ProcessPoolExecutor, outer: _Call, inner: Future[Any]) -> None:
-        error = None if inner.cancelled() else inner.exception()
-        with self._lock:
-            self._calls[k] -= 1
-            if isinstance(error, BrokenExecutor) and self._pools[k] is pool:
-                self._pools[k] = None
-                pool.shutdown(wait=False)
-        outer.follow(inner, WorkerLost(f"its process is gone ({_WHY})") if isinstance(error, BrokenExecutor) else error)
+    def _hand_over(self) -> None:
+        """Hand calls to one process, in a thread that waits for it."""
+        process = None
+        while (call := self._calls.get()) is not None:
+            future, asked = call
+            if future.set_running_or_notify_cancel():
+                process = process or _Process()
+                if not process.answers(future, asked):
+                    process.end()
+                    process = None
+            del call, future, asked  # a result is not kept until the next call
+        if process is not None:
+            process.end()
 
 
-class _Call(Future[Any]):
-    """The future of a call, which another one stands for."""
+class _Process:
+    """A process, and the pipe to it."""
 
-    def __init__(self, inner: Future[Any]):
-        super().__init__()
-        self._inner: Future[Any] | None = inner
+    _beginning = threading.Lock()
 
-    def cancel(self) -> bool:
-        """Drop it if it has not begun."""
-        return self._inner is not None and self._inner.cancel()
+    def __init__(self) -> None:
+        new = multiprocessing.get_context("spawn")  # a fork after threads of OpenMP hangs
+        self._pipe, theirs = new.Pipe()
+        self._process = new.Process(target=_serve, args=(theirs,), daemon=True)
+        with self._beginning:
+            self._process.start()
+        theirs.close()
 
-    def follow(self, inner: Future[Any], error: BaseException | None) -> None:
-        """End as the other one did, and let go of it: two that hold one another would keep their results until Python looks for such."""
-        self._inner = None
-        if inner.cancelled():
-            super().cancel()
-            self.set_running_or_notify_cancel()
-        elif error is not None:
-            self.set_exception(error)
+    def answers(self, future: Future[Any], asked: Any) -> bool:
+        """Let a call be computed and give its future what comes of it; False if the process is gone."""
+        try:
+            self._pipe.send(asked)
+            is_done, value = self._pipe.recv()
+        except (EOFError, OSError):  # closed, also in the middle of a result
+            future.set_exception(WorkerLost(f"its process is gone ({_WHY})"))
+            return False
+        except Exception as error:  # what cannot be sent, or does not come back
+            future.set_exception(error)
+            return True
+        if is_done:
+            future.set_result(value)
         else:
-            self.set_result(inner.result())
+            future.set_exception(value)
+        return True
+
+    def end(self) -> None:
+        """Let it end, and wait for it."""
+        self._pipe.close()
+        self._process.join(_PATIENCE)
+        if self._process.is_alive():
+            self._process.kill()
+            self._process.join()
+
+
+def _serve(pipe: Connection) -> None:
+    """Compute calls until the pipe is closed; Ctrl-C of a terminal is the caller's."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with contextlib.suppress(EOFError, OSError):
+        while True:
+            try:
+                asked = pipe.recv()
+            except (EOFError, OSError):
+                return
+            except Exception as error:  # such as a module that is not here
+                pipe.send((False, _sendable(error)))
+                continue
+            answer = _answer(*asked)
+            try:
+                pipe.send(answer)
+            except (EOFError, OSError):
+                return
+            except Exception as error:  # a result that cannot be sent
+                pipe.send((False, _sendable(error)))
+
+
+def _answer(function: Callable[..., Any], args: tuple[Any, ...]) -> tuple[bool, Any]:
+    """Whether a call was computed, and what came of it."""
+    try:
+        return True, function(*args)
+    except Exception as error:  # goes on in the caller
+        return False, _sendable(error)
+
+
+def _sendable(error: Exception) -> StickslipError:
+    """An error in words, which any process can read."""
+    return StickslipError(f"{type(error).__name__}: {error}")
