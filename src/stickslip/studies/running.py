@@ -233,8 +233,8 @@ def tiles_of(plan: Plan, todo: Iterable[int], crew: Workers, watch: Watch, ident
     """
     todo = list(todo)
     if crew.elsewhere:
-        work = partial(_elsewhere, identities.every if identities else None, _Known())
-        for (k, _), (columns, notes, models) in handed_out(work, _alone(plan, todo), crew):
+        apart = partial(_elsewhere, identities.every if identities else None, _Known())
+        for (k, _), (columns, notes, models) in handed_out(apart, _alone(plan, todo), crew):
             yield k, columns, notes, models
         return
     several = crew.threads > 1 and len(todo) > 1
