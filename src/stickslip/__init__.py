@@ -31,22 +31,22 @@ def _elsewhere(name: str) -> object:
     """What a name that is not listed stands for in a package, such as ``ss.GMS``; an error says what else to type."""
     if name in _UNLISTED:
         return getattr(importlib.import_module(f"{__name__}.{_UNLISTED[name]}"), name)
-    if name not in _CALLED and (package := from_a_package(name)):
+    if name.lower() not in _CALLED and (package := from_a_package(name)):
         return package[1]
     raise AttributeError(f"stickslip has no {name!r}; {_instead(name)}")
 
 
 def _instead(name: str) -> str:
     """What to type instead of a name: where it is, what it is called, or what is written like it."""
-    if name in _CALLED:
-        return f"type ss.{_CALLED[name]}"
+    if name.lower() in _CALLED:
+        return f"type {_CALLED[name.lower()]}"
     if typed := typed_name(name):
         return f"type {typed}"
     if name in _IN_MODULES:
         return f"type from stickslip.{_IN_MODULES[name]} import {name}"
     from stickslip.basics.errors import did_you_mean
 
-    return did_you_mean(name, __all__)
+    return did_you_mean(name, __all__, "type dir(ss) for the names that there are")
 
 
 #: Classes that functions return and nobody makes, and where they are.
@@ -60,14 +60,30 @@ _IN_MODULES = {
 #: Functions of packages without a short name that can be typed at the top, where they are not listed.
 _UNLISTED = {"export_fmu": "show.export"}
 
-#: Names that other packages use for some of our functions.
+#: What is typed for names, in lower case, that other packages use or a user may think of.
 _CALLED = {
-    **dict.fromkeys(("simulate", "integrate", "run", "odeint", "solve_ivp"), "solve"),
-    **dict.fromkeys(("stepper", "step", "Simulator"), "simulation"),
-    **dict.fromkeys(("curve_fit", "estimate"), "identify"),
-    **dict.fromkeys(("read_csv", "open", "import_record"), "read"),
-    **dict.fromkeys(("minimize", "minimise", "maximize", "maximise"), "optimise"),
-    **dict.fromkeys(("plt", "figure", "show"), "plot"),
+    name: typed
+    for typed, names in {
+        "ss.solve": "simulate integrate run odeint solve_ivp ode45 lsoda",
+        "ss.simulation": "stepper step simulator",
+        "ss.identify": "curve_fit estimate",
+        "ss.read": "read_csv open import_record",
+        "ss.load": "load_run read_run open_run",
+        'run.save("run.nc")': "save save_run",
+        "ss.optimise": "minimize minimise maximize maximise",
+        "ss.plot": "plt figure show",
+        "run.plot()": "plot_run draw",
+        'ss.export_fmu(machine, "machine.fmu")': "fmu to_fmu export_machine simulink",
+        'ss.export_law(law, "c")': "export_c to_c export_code",
+        'ss.export_law(law, "matlab")': "export_matlab to_matlab",
+        "ss.testing.check_law(law)": "check_law",
+        "ss.latex(machine)": "equations equations_of_motion tex",
+        "ss.periodic_orbit": "limit_cycle shooting stability floquet multipliers",
+        "ss.continuation": "period_doubling fold hopf bifurcations",
+        "ss.verdict": "chaos is_chaotic",
+        "ss.BlockOnBelt": "belt",
+    }.items()
+    for name in names.split()
 }
 
 #: Modules that users import by a short name, such as ``stickslip.maths``, and where they are.

@@ -281,7 +281,8 @@ def test_at_most_seventy_names_are_in_reach_and_modules_show_nothing_but_theirs(
     ("name", "hint"),
     [
         ("curve_fit", "type ss.identify"), ("simulate", "type ss.solve"), ("plt", "type ss.plot"), ("minimize", "type ss.optimise"),
-        ("tornado", "type ss.plot.tornado"),
+        ("tornado", "type ss.plot.tornado"), ("Stepper", "type ss.simulation"), ("check_law", "type ss.testing.check_law(law)"),
+        ("export_c", 'type ss.export_law(law, "c")'), ("qwertz", "type dir(ss) for the names that there are"),
         ("Simulation", "type from stickslip.solvers.simulation import Simulation"), ("sovle", "did you mean 'solve'?"),
     ],
 )  # fmt: skip
@@ -291,6 +292,15 @@ def test_a_name_that_is_elsewhere_says_what_to_type(name, hint):
     with pytest.raises(AttributeError) as raised:
         getattr(ss, name)
     assert str(raised.value) == f"stickslip has no {name!r}; {hint}"
+
+
+def test_a_figure_under_another_name_says_what_to_type():
+    import stickslip as ss
+
+    with pytest.raises(AttributeError, match=r"ss.plot has no 'phase_portrait'; type ss.plot.phase\(run\)"):
+        _ = ss.plot.phase_portrait
+    with pytest.raises(ss.InputError, match=r"type run.plot\(\)"):
+        ss.plot(3)
 
 
 def test_classes_that_live_in_their_modules_are_there():

@@ -102,8 +102,14 @@ class Energy(Drawn):
 
     def __repr__(self) -> str:
         n = len(self.drive)
-        last = f"last: drive {self.drive[-1]:.4g} J, gravity {self.gravity[-1]:.4g} J, friction {self.friction[-1]:.4g} J" if n else ""
-        return f"<Energy of {n} periods; {last}; worst residual {self.worst:.1e}>"
+        last = {name: float(work[-1]) for name, work in (*self.works.items(), ("change of energy", self.stored))} if n else {}
+        largest = max(map(abs, last.values()), default=0.0)
+        shown = ", ".join(f"{name} {work:.4g} J" for name, work in last.items() if abs(work) > 1e-12 * largest) or "nothing moves"
+        return (
+            f"<Energy of {n} periods; last: {shown}; worst residual {self.worst:.1e}>"
+            if n != 1
+            else (f"<Energy of the run: {shown}; residual {self.worst:.1e}>")
+        )
 
     @property
     def worst(self) -> float:

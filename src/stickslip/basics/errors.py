@@ -182,12 +182,18 @@ def as_path(value: Any, what: str, example: str = "run.nc") -> Path:
     raise InputError(what, [f"{shown!r} is not a path of a file; type for example {example!r}"])
 
 
-def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """A phrase that suggests the closest known name, or lists all of them."""
+def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:
+    """A phrase that suggests the closest known name; `otherwise` where none is close, or without it a list of all.
+
+    Examples
+    --------
+    >>> did_you_mean("coulom", ["coulomb", "lugre"]), did_you_mean("x", ["coulomb", "lugre"])
+    ("did you mean 'coulomb'?", 'known: coulomb, lugre')
+    """
     known = list(known)
     small = {word.lower(): word for word in known}
     near = [small[word] for word in difflib.get_close_matches(str(name).lower(), small, n=1, cutoff=0.55)]
-    return f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}"
+    return f"did you mean {near[0]!r}?" if near else otherwise or f"known: {', '.join(known)}"
 
 
 _INCLINE = 'ss.Incline(tilt="{:g} deg")'

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from stickslip.basics.contracts import Model
 from stickslip.basics.lazy_names import listing
 
-__all__ = ["VARIABLES", "Variable", "in_units_of", "unit_of"]
+__all__ = ["VARIABLES", "Variable", "about_an_axis", "in_units_of", "unit_of"]
 __dir__ = listing(__all__)
 
 
@@ -129,4 +129,15 @@ def unit_of(name: str, model: Model) -> str:
 
 def in_units_of(model: Model, unit: str) -> str:
     """A unit of displacement or force for a machine, translational or rotary."""
-    return _ABOUT_AN_AXIS.get(unit, unit) if getattr(model, "rotary", False) else unit
+    return about_an_axis(unit) if getattr(model, "rotary", False) else unit
+
+
+def about_an_axis(unit: str) -> str:
+    """What stands for a unit of ways or forces where something turns.
+
+    Examples
+    --------
+    >>> about_an_axis("m/s"), about_an_axis("N"), about_an_axis("s")
+    ('rad/s', 'N m', 's')
+    """
+    return _ABOUT_AN_AXIS.get(unit, unit)

@@ -17,6 +17,7 @@ from stickslip.basics.jsontext import as_plain
 from stickslip.basics.quantities import axis_in
 from stickslip.basics.status import STATUS
 from stickslip.basics.variables import VARIABLES, unit_of
+from stickslip.models.angular_coordinates import unit_of_part
 from stickslip.models.machine_adapter import machine_of
 from stickslip.results.steadiness import STEADINESS
 
@@ -63,7 +64,11 @@ def flat_columns(run: Any) -> dict[str, tuple[Any, str]]:
 
 def columns_with_units(columns: dict[str, Any], names: dict[str, list[str]], model: Any) -> dict[str, tuple[Any, str]]:
     """Columns by name as columns of numbers with their units; the `model` says whether coordinates are lengths or angles."""
-    return {n: (one, unit_of(name, model)) for name, column in columns.items() for n, one in _parts(name, column, names)}
+    return {
+        n: (one, unit_of_part(name, model, n.removeprefix(f"{name}.")))
+        for name, column in columns.items()
+        for n, one in _parts(name, column, names)
+    }
 
 
 @dataclass(frozen=True)
@@ -97,10 +102,17 @@ class FileColumns:
 def columns_for_file(run: Any) -> FileColumns:
     """The columns of a trajectory for a file."""
     columns, parts = trajectory_columns(run), flat_columns(run)
-    units = {name: unit_of(name, run.model) or "1" for name in columns}
-    return FileColumns(
-        columns, units, names_of_parts(run), explained_columns(parts), [values for values, _ in parts.values()], attributes(run)
-    )
+    names = names_of_parts(run)
+    units = {name: _unit_of_parts(name, run.model, names) or "1" for name in columns}
+    return FileColumns(columns, units, names, explained_columns(parts), [values for values, _ in parts.values()], attributes(run))
+
+
+def _unit_of_parts(name: str, model: Any, names: dict[str, list[str]]) -> str:
+    """The unit of a column; where its parts have different ones, that of each in their order."""
+    dims = VARIABLES[name].dims
+    parts = next((names[dim] for dim in ("body", "contact") if dim in dims and dim in names), [""])
+    units = [unit_of_part(name, model, part) for part in parts] if len(dims) > 1 else [unit_of(name, model)]
+    return units[0] if len(set(units)) == 1 else ", ".join(units)
 
 
 def headed(columns: dict[str, tuple[Any, str]]) -> list[str]:
@@ -192,10 +204,16 @@ def trajectory_dataset(run: Any) -> Any:
 
     columns, names = trajectory_columns(run), names_of_parts(run)
     data = {
-        name: (dims_of(name, column, names), column, column_description(name, run.model)) for name, column in columns.items() if name != "t"
+        name: (dims_of(name, column, names), column, column_description(name, run.model) | _units(name, run.model, names))
+        for name, column in columns.items()
+        if name != "t"
     }
     coords = {"time": ("time", columns["t"], column_description("t")), **{dim: (dim, of) for dim, of in names.items()}}
     return xr.Dataset(data, coords=coords, attrs=attributes(run))
+
+
+def _units(name: str, model: Any, names: dict[str, list[str]]) -> dict[str, str]:
+    return {"units": _unit_of_parts(name, model, names) or "1"} if name in VARIABLES else {}
 
 
 def summary_dataset(many: Any) -> Any:

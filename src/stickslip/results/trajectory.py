@@ -15,12 +15,14 @@ from stickslip.basics.errors import InputError, StickslipError, did_you_mean
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.notebook_display import Drawn
 from stickslip.basics.status import INTERRUPTED, Status
-from stickslip.basics.variables import VARIABLES, unit_of
+from stickslip.basics.variables import VARIABLES
 from stickslip.models import forces
+from stickslip.models.angular_coordinates import unit_of_part
 from stickslip.models.contact_forces import held_by_controllers
 from stickslip.models.drives.drive_adapter import MISTAKEN
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
+from stickslip.models.rounding import without_rounding
 from stickslip.models.state_layout import of_one_contact
 from stickslip.results.dense_output import inner_rates
 from stickslip.results.events import Event, aloft_of, events_of, flights_of, hits_of, nodes_at
@@ -592,7 +594,8 @@ class Trajectory(Drawn, Judged, RunFiles):
         numbers = float(self.pieces.t[-1] - self.pieces.t[0]) / self._step * len(self.pieces.layout.bodies)
         with suppress(StickslipError):
             whole = " over the run" * (self.model.period is None)  # its transient included; `motion` has that of the cycle
-            words["mean velocity"] = f"{self.mean_velocity:.6g} {unit_of('v', self.model)}{whole}"
+            way = without_rounding(self.mean_velocity, self.model)
+            words["mean velocity"] = f"{way:.6g} {unit_of_part('v', self.model, '')}{whole}"
             if numbers <= _AT_A_GLANCE:
                 words["motion"] = self.motion.brief
             if self.model.period is not None:

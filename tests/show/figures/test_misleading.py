@@ -82,3 +82,37 @@ def test_angles_have_no_prefix_and_a_zero_has_one_digit():
     law = ss.Coulomb(mu_plus=0.4, mu_minus=0.4)
     oscillator = ss.ForcedOscillator(mass=1.0, stiffness=1.0, damping=0.0, friction=law, load=1.0, force=1.0, omega=0.5)
     assert "V = 0 m/s" in repr(ss.periodic_orbit(oscillator))
+
+
+def plane(V, fastest, steadiness):
+    """A map of two by two cases."""
+    grid = ss.sweep(ss.presets.piezo_rig, amplitude=[4e-4, 6e-4], tilt_deg=[1.7, 2.7], law="coulomb")
+    for name, values in (("mean_velocity", V), ("velocity_max", fastest), ("steadiness", steadiness)):
+        grid[name][:] = values
+    grid["velocity_min"][:] = 0.0
+    return grid
+
+
+def test_a_map_of_tolerances_is_drawn_as_zero():
+    ax = ss.plot.velocity_map(plane([[1e-12, -2e-12], [0.0, 3e-12]], 0.01, 0))
+    assert any("no net motion" in text.get_text() for text in ax.texts)
+    assert not np.any(ax.collections[0].get_array())
+
+
+def test_the_fastest_point_of_a_map_has_settled_and_a_minus_sign():
+    ax = ss.plot.velocity_map(plane([[1e-3, -2e-3], [-9e-3, 1e-3]], 0.01, [[0, 0], [1, 0]]), borders=False)
+    assert [text.get_text() for text in ax.texts] == ["−2 mm/s"]
+
+
+def test_a_cut_marks_what_has_not_settled():
+    grid = plane([[1e-3, 2e-3], [9e-3, 1e-3]], 0.01, [[0, 0], [1, 0]])
+    assert words(ss.plot.line_cut(grid, "amplitude", lines=[1.7, 2.7])).count("not settled") == 1
+    grid["steadiness"][:] = 0
+    assert "not settled" not in words(ss.plot.line_cut(grid, "amplitude", lines=[1.7, 2.7]))
+
+
+def test_the_energy_of_a_run_is_drawn_without_asking_for_it_first_and_its_works_add_up():
+    run = ss.solve(ss.presets.piezo_rig(tilt_deg=0.0, amplitude=6e-4, law="coulomb"), periods=4)
+    assert ss.plot.energy(run).get_xlabel() == "drive period"
+    text = repr(ss.energy(run))
+    assert "drive" in text and "friction -" in text and "gravity" not in text

@@ -44,6 +44,9 @@ def check_coordinates(machine: Any, problems: Problems) -> None:
     check_links(machine, problems)
     if machine.principal is not None and machine.principal not in names:
         problems.add(f"principal = {machine.principal!r}; allowed is None or a coordinate; {did_you_mean(str(machine.principal), names)}")
+    angles = machine.angles
+    if angles is not None and not (isinstance(angles, tuple) and all(name in names for name in angles)):
+        problems.add(f'angles = {angles!r}; allowed is None or a tuple of coordinates: {", ".join(names)}; type angles = ("{names[-1]}",)')
     if not problems.mistakes:
         _check_sources(machine, names, problems)
     for name, contact in machine.contacts().items():

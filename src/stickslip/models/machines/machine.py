@@ -69,6 +69,9 @@ class Machine(Filed):
     #: ``inertia(q)``, the matrix of inertia as a tuple of rows; or ``kinetic(q, u)``, the kinetic energy [J].
     coordinates: ClassVar[tuple[str, ...] | None] = None
 
+    #: Which of these are angles [rad], for the units of columns and axes; None: those that a whole turn leaves where they are.
+    angles: ClassVar[tuple[str, ...] | None] = None
+
     #: After this time the drives repeat [s]; None where nothing does: a run is then so many seconds long.
     period: Any = None
 

@@ -30,6 +30,9 @@ _CALLED = {
     **dict.fromkeys(("plot", "draw", "figure"), "run ROBOT --figure FILE.png"),
     **dict.fromkeys(("record", "open", "import"), "read FILE"),
     **dict.fromkeys(("gui", "app", "web"), "explore"),
+    **dict.fromkeys(("fmu", "simulink"), "export-fmu ROBOT --out FILE.fmu"),
+    **dict.fromkeys(("continuation", "bifurcate"), "bifurcation ROBOT NAME=FROM..TO:COUNT --follow"),
+    **dict.fromkeys(("chaos", "verdict"), "lyapunov ROBOT"),
 }
 
 

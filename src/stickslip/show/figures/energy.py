@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.analysis.energy import Energy
+from stickslip.analysis.energy import Energy, energy as energy_of
 from stickslip.analysis.flow_contacts import FrictionWork
 from stickslip.basics.arguments import Ax
+from stickslip.results.trajectory import Trajectory
 from stickslip.show.figures.style import COLOURS, INK, SHADE, axes, drawing, legend_above, prefix
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ _NONE = 1e-12  # relative to the largest work: smaller ones are not drawn
 
 
 @drawing
-def energy(energy: Energy | FrictionWork, ax: Ax = None) -> Any:
+def energy(energy: Energy | FrictionWork | Trajectory, ax: Ax = None) -> Any:
     """The energy balance of a run for each drive period: work supplied upwards, work dissipated downwards.
 
     The bars of a period add up to the change of kinetic and potential energy, which is drawn as a line; transient periods, left out of
@@ -28,8 +29,8 @@ def energy(energy: Energy | FrictionWork, ax: Ax = None) -> Any:
 
     Parameters
     ----------
-    energy : Energy or FrictionWork
-        From `stickslip.energy`.
+    energy : Energy, FrictionWork or Trajectory
+        From `stickslip.energy`; of a run it is computed.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
 
@@ -44,6 +45,8 @@ def energy(energy: Energy | FrictionWork, ax: Ax = None) -> Any:
     >>> ss.plot.energy(balance).get_ylabel()
     'work in a drive period (µJ)'
     """
+    if isinstance(energy, Trajectory):
+        energy = energy_of(energy)
     works, stored = _works(energy.works), energy.stored
     count = len(energy.friction)
     factor, letter = prefix(*works.values(), *([] if stored is None else [stored])) if energy.unit else (1.0, "")

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.basics.arguments import Ax, Grid
-from stickslip.basics.contracts import ArrayLike
+from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import masked_in
+from stickslip.results.steadiness import STEADINESS, UNSETTLED
 from stickslip.show.figures.maps import DARK, TYPE_COLOURS, plain_label, scaled_axis
 from stickslip.show.figures.spacing import logarithmic
-from stickslip.show.figures.style import COLOURS, DASHES, INK, axes, drawing, prefix
+from stickslip.show.figures.style import COLOURS, DASHES, INK, UNSETTLED as UNSETTLED_COLOUR, UNSETTLED_MARK, axes, drawing, prefix
 from stickslip.studies.result_columns import is_of_cases
 
 if TYPE_CHECKING:
@@ -57,20 +58,35 @@ def line_cut(grid: Grid, along: str, at: dict[str, Any] | None = None, lines: Se
     factor, unit = (1.0, "") if unitless else prefix(*(c["mean_velocity"].fillna(0.0).values for c in curves))
     ax = axes(ax, 2.2)
     ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
+    late = False
     for i, curve in enumerate(curves):
         label = f"{float(curve[rest[0]]):.4g}" if rest else None
         for j, way in enumerate([curve.isel(way=k) for k in range(2)] if "way" in curve.dims else [curve]):
             dash = {"linestyle": DASHES[i % 7]} if "way" not in curve.dims else {"linestyle": ("-", (0, (3, 2)))[j]}
             name = " ".join(w for w in (label, str(way["way"].item()) if "way" in curve.dims else None) if w)
-            ax.plot(axis.values, way["mean_velocity"].values * factor, color=COLOURS[i % 7], label=name or None, zorder=3 + i, **dash)
+            V = way["mean_velocity"].values * factor
+            ax.plot(axis.values, V, color=COLOURS[i % 7], label=name or None, zorder=3 + i, **dash)
+            late |= _mark_unsettled(ax, way, axis.values, V)
     _strips(ax, curves, axis.values)
     ax.set_xlim(axis.values.min(), axis.values.max())
     logarithmic(ax, "x", np.sort(axis.values))
     ax.set(xlabel=axis.label, ylabel="mean velocity $V$" if unitless else f"mean velocity $V$ ({unit}m/s)")
-    if len(curves) > 1 or "way" in part.dims:
+    if len(curves) > 1 or "way" in part.dims or late:
         title = plain_label(part, rest[0]) if rest else None
         ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, title=title, title_fontsize=7, columnspacing=1.2, handlelength=2)
     return ax
+
+
+def _mark_unsettled(ax: Any, curve: Any, x: ArrayLike, V: Array) -> bool:
+    """Mark the points whose mean velocity has not settled; False if there are none. They have one entry in the legend."""
+    if "steadiness" not in curve:
+        return False
+    late = np.asarray(curve["steadiness"].values) == UNSETTLED
+    first = STEADINESS[UNSETTLED] not in ax.get_legend_handles_labels()[1]
+    style = {"linestyle": "", "marker": UNSETTLED_MARK, "markersize": 4, "color": UNSETTLED_COLOUR, "zorder": 12}
+    if late.any():
+        ax.plot(np.asarray(x)[late], V[late], label=STEADINESS[UNSETTLED] if first else None, **style)
+    return bool(late.any())
 
 
 def _chosen(grid: xr.Dataset, along: str, at: dict[str, Any] | None) -> Any:

@@ -36,6 +36,8 @@ _SPECK = (4, 0.001)  # cells, fraction of the map: smaller regions have no borde
 _ROUNDED = (0.8, 0.008)  # cells, fraction of a side: the larger of the two is the radius over which corners of cells are rounded
 _OWN = 0.99  # fraction of the cells that must have the types of Coulomb friction if its borders are drawn; the rest may lie on a border
 _HATCH = "//////"  # over cells whose mean velocity has not settled
+_NO_MOTION = 1e-7  # of the largest velocity: if no mean velocity is larger, it is the tolerance that is drawn
+_BOX: dict[str, Any] = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "none", "alpha": 0.85}
 _ROW = 11.5  # height of a row of a legend [points]
 
 
@@ -128,6 +130,8 @@ def velocity_map(
     column = _numbers(grid, quantity)
     V = np.asarray(column.transpose(second, first).values, float)
     unitless = column.attrs.get("units") == "1" or {first, second} == {"alpha_plus", "alpha_minus"}  # then A mu omega is 1
+    nothing = _no_motion(grid, V, quantity)
+    V = np.where(np.isfinite(V), 0.0, V) if nothing else V
     prefixed = not unitless and column.attrs.get("units", "m/s") in _PREFIXED
     factor, letter = prefix(V[np.isfinite(V)]) if prefixed else (1.0, "")
     unit = "" if unitless else f"{letter}{column.attrs.get('units', 'm/s')}"
@@ -137,6 +141,7 @@ def velocity_map(
     limits: dict[str, Any] = (
         {"vmin": -max(top, -bottom), "vmax": max(top, -bottom), "cmap": "PuOr_r"} if both else {"vmin": 0.0, "cmap": "cividis"}
     )
+    limits |= {"vmin": -1.0, "vmax": 1.0, "cmap": "PuOr_r"} if nothing else {}
     ax = axes(ax, 2.9)
     shown = ax.pcolormesh(edges(across.values), edges(up.values), V, rasterized=True, **limits)
     bar = ax.figure.colorbar(shown, ax=ax, fraction=0.05, pad=0.03)
@@ -145,9 +150,29 @@ def velocity_map(
     bar.outline.set_linewidth(0.5)
     lines = borders and _type_lines(ax, grid, first, second, across, up)
     _legend(ax, [], "border of motion types" if lines else None, _hatch_unsettled(ax, grid, first, second, across, up))
-    if optimum and np.isfinite(V).any():
-        _mark_best(ax, V, across, up, unit)
+    if nothing:
+        bar.remove()
+        ax.text(0.5, 0.5, nothing, transform=ax.transAxes, ha="center", va="center", fontsize=7, bbox=_BOX, zorder=9)
+    elif optimum and np.isfinite(V).any():
+        _mark_best(ax, _settled(grid, V, first, second), across, up, unit)
     return _framed(ax, grid, across, up)
+
+
+def _no_motion(grid: xr.Dataset, V: Array, quantity: str) -> str:
+    """A sentence for a map of mean velocities that are all rounding or tolerance beside the velocities; empty where they are not."""
+    if quantity != "mean_velocity" or not {"velocity_max", "velocity_min"} <= set(grid.data_vars) or not np.isfinite(V).any():
+        return ""
+    speed = max(float(np.nanmax(abs(grid[name].values), initial=0.0)) for name in ("velocity_max", "velocity_min"))
+    most = float(np.nanmax(abs(V)))
+    return "no net motion: $|V| < 10^{-7}$ of the velocities" if most < _NO_MOTION * speed else ""
+
+
+def _settled(grid: xr.Dataset, V: Array, first: str, second: str) -> Any:
+    """The values without those that have not settled, unless none has."""
+    if "steadiness" not in grid:
+        return V
+    known = np.where(np.asarray(grid["steadiness"].transpose(second, first).values) == UNSETTLED, np.nan, V)
+    return known if np.isfinite(known).any() else V
 
 
 def _numbers(grid: xr.Dataset, quantity: str) -> Any:
@@ -331,5 +356,5 @@ def _mark_best(ax: Any, V: Any, across: _Axis, up: _Axis, unit: str) -> None:
     high = y > 0.5 * (up.values.min() + up.values.max())
     offset = (-6 if right else 6, -7 if high else 7)
     words = {"ha": "right" if right else "left", "va": "top" if high else "bottom", "fontsize": 7}
-    box = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "none", "alpha": 0.85}
-    ax.annotate(f"{V[i, j]:.3g} {unit}".strip(), (x, y), xytext=offset, textcoords="offset points", bbox=box, zorder=9, **words)
+    text = f"{V[i, j]:.3g} {unit}".strip().replace("-", "−")
+    ax.annotate(text, (x, y), xytext=offset, textcoords="offset points", bbox=_BOX, zorder=9, **words)

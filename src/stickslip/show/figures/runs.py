@@ -13,6 +13,7 @@ from stickslip.basics.arguments import Ax
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, NoBodies
 from stickslip.basics.variables import unit_of
+from stickslip.models.angular_coordinates import unit_of_part
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.model_adapter import adapter_of
@@ -21,7 +22,7 @@ from stickslip.models.state_layout import of_one_contact
 from stickslip.results.datasets import names_of_parts
 from stickslip.results.trajectory import Trajectory
 from stickslip.show.figures.flow_runs import flow_phase
-from stickslip.show.figures.style import COLOURS, DASHES, INK, SHADE, axes, drawing, legend_above, prefix, scaled
+from stickslip.show.figures.style import COLOURS, DASHES, INK, SHADE, axes, drawing, in_their_units, legend_above, prefix, shared_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -70,6 +71,17 @@ def _sampled(runs: list[Any], names: list[str], spans: list[tuple[float, float]]
     """Curves as (name, number of the run, t, values)."""
     columns = [samples_over(run, *span, column) for run, span in zip(runs, spans, strict=True)]
     return [(name, i, columns[i][0], columns[i][1][own]) for name, i, own in _by_part(runs, names, dim)]
+
+
+def _units(runs: list[Any], column: str, dim: str) -> list[str]:
+    """The unit of each curve, in the order of `_by_part`."""
+    return [unit_of_part(column, run.model, part) for run in runs for part in _parts(run, dim) or [""]]
+
+
+def _with_units(names: list[str], *shown: list[str]) -> list[str]:
+    """Names of curves, with the units of each where these are not the same for all."""
+    mixed = any(len(set(units)) > 1 for units in shown)
+    return [f"{name} ({', '.join(units)})" if mixed else name for name, *units in zip(names, *shown, strict=True)]
 
 
 def _labels(runs: list[Any], labels: Sequence[str] | None) -> list[str]:
@@ -218,7 +230,7 @@ def velocity(
     names, spans = _labels(runs, labels), [span(r, periods, duration) for r in runs]
     curves = _sampled(runs, names, spans, "v", "body")
     time, seconds = prefix(*(b - a for a, b in spans))
-    factor, unit = scaled(np.concatenate([v for *_, v in curves]), unit_of("v", runs[0].model))
+    factors, units = in_their_units([v for *_, v in curves], _units(runs, "v", "body"))
     ax = axes(ax)
     rested = [] if _parts(runs[0], "body") else sticking_intervals(runs[0], *spans[0])
     shaded = _shade(ax, rested, spans[0][0], time, names[0] if len(runs) > 1 else "")
@@ -226,14 +238,14 @@ def velocity(
     for event in runs[0].named_events:
         if spans[0][0] <= event.t <= spans[0][1]:
             ax.axvline((event.t - spans[0][0]) * time, color=INK, linewidth=0.6, linestyle=":", zorder=1)
-    for i, (name, number, t, v) in enumerate(curves):
+    for i, ((_, number, t, v), name) in enumerate(zip(curves, _with_units([name for name, *_ in curves], units), strict=True)):
         since = t - spans[number][0]
-        ax.plot(since * time, v * factor, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
+        ax.plot(since * time, v * factors[i], color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
     moments = np.linspace(*spans[0], 400)
     if (rest := _at_rest(runs[0], moments)) is not None:
-        shaded += ax.plot((moments - spans[0][0]) * time, rest * factor, **_REST)
+        shaded += ax.plot((moments - spans[0][0]) * time, rest * factors[0], **_REST)
     time_axis(ax, runs[0], spans[0], time, seconds)
-    ax.set_ylabel(f"velocity $v$ ({unit}{unit_of('v', runs[0].model)})")
+    ax.set_ylabel(shared_unit("velocity $v$", units))
     return _finish(ax, curves, shaded)
 
 
@@ -288,22 +300,22 @@ def phase(
     spans = [span(r, _shown(r) if periods is None else periods, duration) for r in runs]
     parts = _by_part(runs, names, "body")
     names, orbits = [name for name, _, _ in parts], [_orbit(runs[i], spans[i], own) for _, i, own in parts]
-    across, metres = scaled(np.concatenate([s for s, _, _, _ in orbits]), unit_of("x", runs[0].model))
-    up, unit = scaled(np.concatenate([v for _, v, _, _ in orbits]), unit_of("v", runs[0].model))
+    across, metres = in_their_units([s for s, *_ in orbits], _units(runs, "x", "body"))
+    up, units = in_their_units([v for _, v, *_ in orbits], _units(runs, "v", "body"))
     ax = axes(ax, height=2.5)
     ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
     more = [_strobe_word()] if runs[0].model.period is not None else []
-    for i, ((s, v, strobe_s, strobe_v), name) in enumerate(zip(orbits, names, strict=True)):
-        ax.plot(s * across, v * up, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
+    for i, ((s, v, strobe_s, strobe_v), name) in enumerate(zip(orbits, _with_units(names, metres, units), strict=True)):
+        ax.plot(s * across[i], v * up[i], color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
         marker: dict[str, Any] = {"markersize": 4, "color": "white", "markeredgecolor": COLOURS[i % 7], "markeredgewidth": 1.1}
-        ax.plot(strobe_s * across, strobe_v * up, "o", zorder=9, **marker)
+        ax.plot(strobe_s * across[i], strobe_v * up[i], "o", zorder=9, **marker)
     rest = _at_rest(runs[0], np.linspace(*spans[0], 50))
     if rest is not None and np.ptp(rest) < 1e-9 * np.max(np.abs(rest)):
-        ax.axhline(rest[0] * up, **_REST)
+        ax.axhline(rest[0] * up[0], **_REST)
         words: dict[str, Any] = {"ha": "right", "va": "bottom", "fontsize": 7, "color": INK}
-        ax.text(1.0, rest[0] * up, _REST["label"], transform=ax.get_yaxis_transform(), **words)
-    ax.set_xlabel(f"{_displacement(runs[0].model)} ({metres}{unit_of('x', runs[0].model)})")
-    ax.set_ylabel(f"velocity $v$ ({unit}{unit_of('v', runs[0].model)})")
+        ax.text(1.0, rest[0] * up[0], _REST["label"], transform=ax.get_yaxis_transform(), **words)
+    ax.set_xlabel(shared_unit(_displacement(runs[0].model), metres))
+    ax.set_ylabel(shared_unit("velocity $v$", units))
     ax.margins(0.06)
     return _finish(ax, orbits, more)
 
@@ -408,14 +420,16 @@ def _forces_of_contacts(run: Trajectory, periods: float | None, ax: Any, duratio
     has_units = adapter_of(run.model).has_units
     curves = _forces_over(run, start, end)
     time, seconds = clock(run, end - start)
-    factor, unit = prefix(*(R for *_, R in curves)) if has_units else (1.0, "")
+    newtons = (
+        _units([run], "load", "contact") if run.pieces.layout.bodies else [unit_of("load", run.model) if has_units else ""] * len(curves)
+    )
+    factors, units = in_their_units([R for *_, R in curves], newtons)
     ax = axes(ax)
     ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
-    for i, (name, _, t, R) in enumerate(curves):
-        ax.plot((t - start) * time, R * factor, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
+    for i, ((_, _, t, R), name) in enumerate(zip(curves, _with_units([name for name, *_ in curves], units), strict=True)):
+        ax.plot((t - start) * time, R * factors[i], color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
     time_axis(ax, run, (start, end), time, seconds)
-    newtons = unit_of("load", run.model) if has_units else ""
-    ax.set_ylabel(f"friction {'torque' if newtons == 'N m' else 'force'} $R$" + (f" ({unit}{newtons})" if newtons else ""))
+    ax.set_ylabel(shared_unit(f"friction {'torque' if set(newtons) == {'N m'} else 'force'} $R$", units))
     return _finish(ax, curves)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
@@ -131,8 +131,13 @@ def prefix(*arrays: Any) -> tuple[float, str]:
     largest = max((float(np.max(np.abs(a), initial=0.0)) for a in arrays), default=0.0)
     if not 0 < largest < np.inf:
         return 1.0, ""
-    power = int(np.clip(np.floor(np.log10(largest) / 3 + 1e-9), -5, 4))
-    return (1000.0**-power if power else 1.0), "fpnµm kMGT"[power + 5].strip()
+    return _with_power(np.floor(np.log10(largest) / 3 + 1e-9))
+
+
+def _with_power(power: float) -> tuple[float, str]:
+    """The SI prefix of a power of a thousand, as (factor, prefix)."""
+    n = int(np.clip(power, -5, 4))
+    return (1000.0**-n if n else 1.0), "fpnµm kMGT"[n + 5].strip()
 
 
 def axis_label(text: str, unit: str, factor_prefix: str = "") -> str:
@@ -165,3 +170,40 @@ def side_of(column: Any) -> tuple[float, str]:
     """Scale factor and axis label of a dataset column."""
     factor, letter = scaled(column.values[np.isfinite(column.values)], column.attrs["units"])
     return factor, labelled(column, letter)
+
+
+def in_their_units(curves: Sequence[ArrayLike], units: Sequence[str]) -> tuple[list[float], list[str]]:
+    """Of each curve its scale factor, and its unit with the prefix: all curves of one unit have one prefix.
+
+    Beside angles, which have none, lengths have the prefix that makes their curves most nearly as large.
+
+    Examples
+    --------
+    >>> in_their_units([[0.002], [0.004]], ["m/s", "m/s"])
+    ([1000.0, 1000.0], ['mm/s', 'mm/s'])
+    >>> in_their_units([[0.002], [1.5]], ["m/s", "rad/s"]), in_their_units([[0.2], [1.5]], ["m/s", "rad/s"])
+    (([1000.0, 1.0], ['mm/s', 'rad/s']), ([1.0, 1.0], ['m/s', 'rad/s']))
+    """
+    sizes = {unit: _largest(c for c, own in zip(curves, units, strict=True) if own == unit) for unit in units}
+    beside = max((size for unit, size in sizes.items() if unit in _AS_THEY_ARE), default=0.0)
+    of = {}
+    for unit, size in sizes.items():
+        near = unit not in _AS_THEY_ARE and 0 < size < np.inf and 0 < beside < np.inf
+        of[unit] = _with_power(np.round(np.log10(size / beside) / 3)) if near else scaled([size], unit)
+    return [of[unit][0] for unit in units], [of[unit][1] + unit for unit in units]
+
+
+def _largest(curves: Iterable[ArrayLike]) -> float:
+    return max(float(np.max(np.abs(np.asarray(c, float)), initial=0.0)) for c in curves)
+
+
+def shared_unit(label: str, shown: Sequence[str]) -> str:
+    """An axis label with the unit of its curves, if they have one; otherwise without, as their names say it.
+
+    Examples
+    --------
+    >>> shared_unit("velocity $v$", ["mm/s", "mm/s"]), shared_unit("velocity $v$", ["mm/s", "rad/s"])
+    ('velocity $v$ (mm/s)', 'velocity $v$')
+    """
+    units = set(shown)
+    return f"{label} ({units.pop()})" if len(units) == 1 and "" not in units else label

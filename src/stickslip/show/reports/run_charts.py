@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.variables import unit_of
+from stickslip.models.angular_coordinates import unit_of_part
 from stickslip.models.machine_adapter import machine_of
 from stickslip.show.figures.runs import limits, samples_over, span, sticking_intervals
 from stickslip.show.reports.charts import chart, curve
@@ -25,9 +26,19 @@ def velocity(run: Trajectory) -> dict[str, Any]:
     """
     t, (v,), shade, across = _columns(run, 3, ("v",))
     shown = "over three drive periods" if run.model.period is not None else "over the run"
-    curves = _by_part(run.body_columns, 1e3 * v) or [curve("velocity", 1e3 * v)]
-    up = ("velocity v", f"m{unit_of('v', run.model)}")
+    factors, units = _factors(run)
+    scaled = v * (factors[0] if v.ndim == 1 else factors)
+    mixed = len(set(units)) > 1
+    names = [f"{name} ({unit})" for name, unit in zip(run.body_columns, units, strict=True)] if mixed else run.body_columns
+    curves = _by_part(names, scaled) or [curve("velocity", scaled)]
+    up = ("velocity v", "" if mixed else units[0])
     return chart(f"velocity of {'the body' if v.ndim == 1 else 'each body'} {shown}", t, across, up, curves, shade)
+
+
+def _factors(run: Trajectory) -> tuple[list[float], list[str]]:
+    """Of each body the factor of its velocity, and the unit: mm/s, or rad/s of what turns."""
+    units = [unit_of_part("v", run.model, part) for part in run.body_columns]
+    return [1.0 if unit == "rad/s" else 1e3 for unit in units], [unit if unit == "rad/s" else f"m{unit}" for unit in units]
 
 
 def _by_part(names: Any, columns: Any) -> list[Any]:

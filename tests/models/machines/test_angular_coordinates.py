@@ -1,0 +1,92 @@
+"""Units of columns and axes where a machine has angles among its coordinates."""
+
+from dataclasses import dataclass
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import pytest
+
+import stickslip as ss
+from rows import each_row
+from stickslip.maths import cos, sin
+from stickslip.models.angular_coordinates import angles_of, unit_of_part
+
+
+@dataclass(frozen=True, eq=False)
+class Hung(ss.Machine):
+    length: float = 0.5
+    coordinates = ("x", "angle")
+    time_scale = 1.0
+
+    def bodies(self):
+        return {"cart": ss.Body(1.0), "bob": ss.Body(0.3)}
+
+    def places(self, t, q):
+        return {"cart": (q["x"], 0.0), "bob": (q["x"] + self.length * sin(q["angle"]), -self.length * cos(q["angle"]))}
+
+    def contacts(self):
+        law = ss.Coulomb(0.1, 0.1)
+        return {"rail": ss.Contact("cart", law, load=13.0), "joint": ss.Contact("angle", law, load=0.01)}
+
+
+class Kinetic(Hung):
+    places = None
+
+    def kinetic(self, q, u):
+        return 0.5 * u["x"] ** 2 + 0.15 * u["angle"] ** 2 + 0.1 * cos(q["angle"]) * u["x"] * u["angle"]
+
+    def contacts(self):
+        return {}
+
+
+class Rod(Hung):
+    def bodies(self):
+        return {"cart": ss.Body(1.0, inertia=0.1), "bob": ss.Body(0.3)}
+
+    def places(self, t, q):
+        return {"cart": (q["x"], 0.0, q["angle"]), "bob": (q["x"] + 1.0, 0.0)}
+
+
+class Wire(Hung):
+    """A bead on a wavy wire: a sine of 40 x is no angle."""
+
+    def places(self, t, q):
+        return {"cart": (q["x"], 0.01 * sin(40.0 * q["x"])), "bob": (q["angle"], 0.0)}
+
+
+class Said(Wire):
+    angles = ("x",)
+
+
+@each_row(
+    ("machine", "angles"),
+    [(Hung(), ("angle",)), (Kinetic(), ("angle",)), (Rod(), ("angle",)), (Wire(), ()), (Said(), ("x",)), (ss.Chain.example(), ())],
+)
+def test_what_a_whole_turn_leaves_alone_is_an_angle(machine, angles):
+    assert angles_of(machine) == angles
+
+
+def test_units_of_columns_follow():
+    units = [unit_of_part(column, Hung(), part) for column, part in (("v", "x"), ("v", "angle"), ("slip", "joint"), ("load", "rail"))]
+    assert units == ["m/s", "rad/s", "rad/s", "N"]
+    assert unit_of_part("v", Hung(), "") == "m/s"  # that of the first coordinate
+
+
+def test_an_axis_of_lengths_and_angles_leaves_units_to_the_curves():
+    run = ss.solve(Hung(), duration=0.3, start={"x": {"angle": 0.5}, "v": {}})
+    ax = ss.plot.velocity(run)
+    assert ax.get_ylabel() == "velocity $v$"
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["x (m/s)", "angle (rad/s)"]
+    assert [text.get_text() for text in ss.plot.forces(run).get_legend().get_texts()] == ["rail (N)", "joint (mN m)"]
+    assert run.to_xarray().v.attrs["units"] == "m/s, rad/s"
+    plt.close("all")
+
+
+def test_angles_that_are_no_coordinates_are_refused():
+    class Wrong(Hung):
+        angles = ("phi",)
+
+    with pytest.raises(ss.InputError, match="angles = "):
+        Wrong()
