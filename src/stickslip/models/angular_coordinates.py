@@ -47,7 +47,7 @@ def angles_of(model: Model) -> tuple[str, ...]:
     return tuple(said) if said is not None else tuple(name for name in names if _turns(model, names, name))
 
 
-def _turns(model: Model, names: tuple[str, ...], name: str) -> bool:
+def _turns(model: Any, names: tuple[str, ...], name: str) -> bool:
     """Whether a whole turn of a coordinate leaves everything where it is, and a part of a turn does not."""
     draw, changes = np.random.default_rng(0), False
     for _ in range(2):
@@ -63,7 +63,7 @@ def _turns(model: Model, names: tuple[str, ...], name: str) -> bool:
     return changes
 
 
-def _everything(model: Model, q: dict[str, float], u: dict[str, float]) -> list[Array]:
+def _everything(model: Any, q: dict[str, float], u: dict[str, float]) -> list[Array]:
     """The numbers that a machine gives of a state; angles of bodies by their sines and cosines."""
     places = places_of_machine(model, 0.0, q)
     numbers: list[Any] = []

@@ -149,7 +149,8 @@ def velocity_map(
     bar.set_label("mean velocity $V/(A\\mu\\omega)$" if unitless and "$" in named else f"{named} ({unit or '1'})")
     bar.outline.set_linewidth(0.5)
     lines = borders and _type_lines(ax, grid, first, second, across, up)
-    _legend(ax, [], "border of motion types" if lines else None, _hatch_unsettled(ax, grid, first, second, across, up))
+    late = not nothing and _hatch_unsettled(ax, grid, first, second, across, up)
+    _legend(ax, [], "border of motion types" if lines else None, late)
     if nothing:
         bar.remove()
         ax.text(0.5, 0.5, nothing, transform=ax.transAxes, ha="center", va="center", fontsize=7, bbox=_BOX, zorder=9)
