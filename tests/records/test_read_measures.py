@@ -55,8 +55,7 @@ def test_the_error_of_the_mean_velocity_is_that_of_repeats():
 TYPES = [(3e-4, 1.7, "II"), (4.2e-4, 1.7, "I"), (5.5e-4, 2.7, "III"), (8e-4, 1.7, "IV")]  # P6, between the borders of P9, and near P2
 
 
-@pytest.mark.parametrize(("amplitude", "tilt_deg", "type"), TYPES)
-@pytest.mark.parametrize("level", [1e-6, 1e-4])
+@each_row("amplitude, tilt_deg, type, level", [(*row, level) for level in (1e-6, 1e-4) for row in TYPES])
 def test_the_motion_type_of_a_record_is_that_of_the_motion(amplitude, tilt_deg, type, level):
     rec = rig(level, amplitude=amplitude, tilt_deg=tilt_deg, seed=2, periods=40, samples=200)
     truth = ss.motion(ss.solve(ss.presets.piezo_rig(tilt_deg=tilt_deg, amplitude=amplitude, law="coulomb"), periods=100))

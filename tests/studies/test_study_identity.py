@@ -367,7 +367,7 @@ def test_random_designs_with_another_seed_are_other_studies():
 
 
 # ---- doors ----
-@pytest.mark.parametrize("way", ["partial", "closure", "default", "object", "bound method", "global", "the last case only"])
+@each_row("way", ["partial", "closure", "default", "object", "bound method", "global", "the last case only"])
 def test_no_door_mixes_models(tmp_path, way):
     make, options = MAKERS[way], dict(amplitude=AMPLITUDES, tile=2)
     ss.sweep(make(1.0), **options, out=tmp_path / "one", shard=(1, 3))

@@ -453,8 +453,8 @@ def test_a_drive_of_ones_own_needs_a_period_and_a_motion():
         rig(bare())
 
 
-@pytest.mark.parametrize(
-    ("drive", "published"),
+@each_row(
+    "drive, published",
     [
         (ss.drives.TwoPhase(stroke=0.01, u1=0.1, u2=0.1), 0.000470057764),
         (ss.drives.TwoPhase(stroke=0.01, u1=0.05, u2=0.4), 0.003305),
@@ -474,7 +474,7 @@ def test_mean_velocities_on_paper_are_those_of_the_arcs(drive, published):
         assert formula == pytest.approx(published, abs=1e-11)
 
 
-@pytest.mark.parametrize("name", ["harmonic", "multiharmonic", "twophase", "threephase", "bangbang", "trapezoid", "recorded"])
+@each_row("name", ["harmonic", "multiharmonic", "twophase", "threephase", "bangbang", "trapezoid", "recorded"])
 def test_every_example_moves_the_robot_forwards_and_its_reverse_the_mirrored_one_back(name):
     drive = ss.drives.DRIVES[name].example()
     there = Coasting(drive, MU, 0.15 * G, 0.21 * G).mean_velocity(8)

@@ -14,6 +14,7 @@ from every import DRY, Capsule, every_machine
 from explorers import chromium
 from house import ROOT
 from printed import pictures_and_printed
+from rows import each_row
 from stickslip.show.cli import main
 from stickslip.show.reports import run_page, study_page, write
 from stickslip.show.reports.fastest import run_again
@@ -377,7 +378,7 @@ def test_a_study_of_chains_has_a_report(tmp_path):
     assert turning.mean_velocity.units == "rad/s" and "mean velocity [rad/s]" in study_page(turning, "A servo")
 
 
-@pytest.mark.parametrize("tex", [r"\href{a}{b}", "\\", r"\frac{1}", "x_", "&", r"\end{cases}", r"\left x", r"\text{"])
+@each_row("tex", [r"\href{a}{b}", "\\", r"\frac{1}", "x_", "&", r"\end{cases}", r"\left x", r"\text{"])
 def test_a_formula_that_no_page_can_show_is_refused_with_a_sentence(tex):
     with pytest.raises(ss.InputError, match="is no formula that a page can show") as refused:
         mathml(tex)
