@@ -90,3 +90,19 @@ def test_angles_that_are_no_coordinates_are_refused():
 
     with pytest.raises(ss.InputError, match="angles = "):
         Wrong()
+
+
+def test_texts_of_angles_are_in_radians():
+    from stickslip.show.cli.bodies import _body, _of_body
+    from stickslip.show.reports.facts import millimetres
+    from stickslip.show.reports.moving import moments
+    from stickslip.show.reports.run_charts import velocity
+
+    run = ss.solve(Hung(), duration=0.3, start={"x": {"angle": 0.5}, "v": {}})
+    assert _of_body(_body(run, "angle")).count(" rad/s") == 3 and " m/s" in _of_body(_body(run, "x"))
+    assert (millimetres(0.5, model=run.model, part="angle"), millimetres(0.5, model=run.model, part="x")) == ("0.5 rad/s", "500 mm/s")
+    picture = moments(run)
+    assert (picture["lengths"], picture["speeds"]) == ("m, rad", "m/s, rad/s")
+    assert picture["bodies"][1]["v"][-1] == pytest.approx(run.v[-1, 1], rel=1e-3)
+    assert velocity(run)["up"] == ("velocity v", "")
+    assert velocity(ss.solve(ss.Joint.example(), duration=0.1))["up"] == ("velocity v", "rad/s")

@@ -144,6 +144,14 @@ def test_a_typed_number_asks_and_a_wrong_one_is_marked(page):
     assert typed.get_attribute("aria-invalid") == "false"
 
 
+def test_a_mean_velocity_of_what_turns_is_in_radians(page):
+    w = ss.widget(ss.Joint.example())
+    mounted(page, w)
+    [(name, v)] = w.answer["mean_velocity"].items()
+    text = page.locator(".said").inner_text()
+    assert float(text.split(f"{name} ")[1].split(" rad/s")[0].replace("−", "-")) == pytest.approx(v, rel=0.01)
+
+
 def test_text_is_never_html(page):
     w = ss.widget(ROBOT, ["drive.amplitude"])
     sliders = [w.sliders[0] | {"label": HOSTILE, "symbol": HOSTILE, "unit": HOSTILE}]

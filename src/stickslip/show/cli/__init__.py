@@ -29,7 +29,7 @@ _CALLED = {
     **dict.fromkeys(("simulate", "solve", "integrate"), "run ROBOT"),
     **dict.fromkeys(("plot", "draw", "figure"), "run ROBOT --figure FILE.png"),
     **dict.fromkeys(("record", "open", "import"), "read FILE"),
-    **dict.fromkeys(("gui", "app", "web"), "explore"),
+    **dict.fromkeys(("gui", "app", "web", "animate"), "explore"),
     **dict.fromkeys(("fmu", "simulink"), "export-fmu ROBOT --out FILE.fmu"),
     **dict.fromkeys(("continuation", "bifurcate"), "bifurcation ROBOT NAME=FROM..TO:COUNT --follow"),
     **dict.fromkeys(("chaos", "verdict"), "lyapunov ROBOT"),

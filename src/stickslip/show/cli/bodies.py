@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from stickslip.basics.variables import unit_of
+from stickslip.models.angular_coordinates import unit_of_part
 from stickslip.show.cli import show
 
 
@@ -19,7 +19,7 @@ def record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
         "robot": study.title(),
         "law": machine_of(run.model).law_names,
         "machine": type(run.model).__name__,
-        "velocity_unit": unit_of("v", run.model),
+        "velocity_unit": unit_of_part("v", run.model, ""),
         "parameters": {name: float(value) for name, value in leaves(run.model)},
         "mean_velocity": mean_velocity(run),
         "bodies": {name: _body(run, name) for name in run.body_columns},
@@ -37,12 +37,13 @@ def record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
     }
 
 
-def _body(run: Any, name: str) -> dict[str, float]:
-    """Mean velocity of one body, and the range of its velocity over the averaging window."""
+def _body(run: Any, name: str) -> dict[str, Any]:
+    """Mean velocity of one body, the range of its velocity over the averaging window, and their unit."""
     from stickslip.analysis.steady import mean_velocity
 
     v = run.body_columns[name].v[run.t >= run.window[0]]
-    return {"mean_velocity": mean_velocity(run, body=name), "velocity_max": float(v.max()), "velocity_min": float(v.min())}
+    numbers = {"mean_velocity": mean_velocity(run, body=name), "velocity_max": float(v.max()), "velocity_min": float(v.min())}
+    return numbers | {"velocity_unit": unit_of_part("v", run.model, name)}
 
 
 def _motion(run: Any) -> dict[str, Any]:
@@ -78,7 +79,7 @@ def as_text(record: dict[str, Any]) -> str:
     rows = [
         ("machine", f"{record['machine']} with {record['law']} friction"),
         ("mean velocity", mean if record["steadiness"]["code"] in (0, -1) else f"{mean}  ({record['steadiness']['word']})"),
-        *((name, _of_body(body, per_second)) for name, body in record["bodies"].items()),
+        *((name, _of_body(body)) for name, body in record["bodies"].items()),
         *((f"contact {name}", _of_contact(m, name in record["anchored"])) for name, m in record.get("contacts", {}).items()),
         *([("repeats after", "not found" if period is None else show.counted(period, "drive period"))] if driven else []),
         *_balance(work, driven),
@@ -87,8 +88,8 @@ def as_text(record: dict[str, Any]) -> str:
     return show.run_text(record, rows, record["provenance"]["settings"]["method"])
 
 
-def _of_body(body: dict[str, float], per_second: str) -> str:
-    mean, low, high = (show.quantity_text(body[name], per_second) for name in ("mean_velocity", "velocity_min", "velocity_max"))
+def _of_body(body: dict[str, Any]) -> str:
+    mean, low, high = (show.quantity_text(body[name], body["velocity_unit"]) for name in ("mean_velocity", "velocity_min", "velocity_max"))
     return f"mean velocity {mean}, velocity {low} to {high}"
 
 

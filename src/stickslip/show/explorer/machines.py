@@ -12,6 +12,7 @@ from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.basics.fields import field_description, leaves
 from stickslip.basics.quantities import symbol_text
 from stickslip.basics.variables import unit_of
+from stickslip.models.angular_coordinates import unit_of_part
 from stickslip.models.machine_adapter import is_machine, machine_of
 from stickslip.show.explorer.effort import RTOL, affordable
 from stickslip.show.explorer.sliders import Parameter
@@ -195,7 +196,7 @@ def picture(shown: Shown, fine: bool, model: Any, progress: Callable[[int, int],
 
     run = _solved(shown, model, fine, progress, first)
     data: dict[str, Any] = {"kind": "machine", "fine": fine, "picture": moments(run), "status": run.status}
-    data["speeds"] = unit_of("v", run.model)
+    data["speeds"] = {name: unit_of_part("v", run.model, name) for name in run.body_columns}
     data["mean_velocity"] = {name: mean_of(run, name) for name in run.body_columns}
     if fine:
         data |= {"facts": facts(run), "tables": tables(run), "notes": [*shown.notes, *run.notes]}

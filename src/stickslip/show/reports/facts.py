@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.variables import unit_of
+from stickslip.models.angular_coordinates import unit_of_part
 from stickslip.models.machine_adapter import machine_of
 from stickslip.show.reports.charts import Table, tables_of
 
@@ -27,9 +28,9 @@ def facts(run: Trajectory) -> list[tuple[str, str]]:
     return _of_robot(run) if run.model.period is not None else _of_bench(run)
 
 
-def millimetres(*velocities: float, model: Any = None) -> str:
-    """Velocities [m/s] in mm/s ([rad/s] in rad/s for a machine about an axis); two are written as a range."""
-    unit = unit_of("v", model)
+def millimetres(*velocities: float, model: Any = None, part: str = "") -> str:
+    """Velocities [m/s] in mm/s ([rad/s] in rad/s for what turns); two are written as a range."""
+    unit = unit_of_part("v", model, part)
     factor, letter = (1.0, "") if unit == "rad/s" else (1e3, "m")
     return " to ".join(f"{factor * v:.6g}" for v in velocities).replace("-", "−") + f" {letter}{unit}"
 
@@ -183,8 +184,9 @@ def _bodies(run: Trajectory) -> Table:
     for name, body in run.body_columns.items():
         v = body.v[run.t >= start]
         mass = f"{float(parts[name].mass):.6g} {'kg m²' if turns else 'kg'}"
+        own: dict[str, Any] = {"model": run.model, "part": name}
         ends = (_rounded(run, float(end)) for end in (v.min(), v.max()))
-        rows.append((name, mass, millimetres(mean_of(run, name), model=run.model), millimetres(*ends, model=run.model)))
+        rows.append((name, mass, millimetres(mean_of(run, name), **own), millimetres(*ends, **own)))
     return "The bodies.", ("body", "inertia" if turns else "mass", "mean velocity", "velocity"), rows
 
 

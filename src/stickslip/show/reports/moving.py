@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.contracts import Array, Model
-from stickslip.basics.variables import unit_of
+from stickslip.models.angular_coordinates import angles_of, unit_of_part
 from stickslip.models.machine_adapter import machine_of
 from stickslip.show.reports.servo_traces import targets_at, traces, turns
 
@@ -43,16 +43,16 @@ def moments(run: Trajectory, span: tuple[float, float] | None = None) -> dict[st
     start, end = shown_span(run) if span is None else span
     factor, unit = (1e3, "ms") if run.model.period is not None else (1.0, "s")
     at = run.with_axes.at(np.linspace(start, end, _MOMENTS))
-    lifts = _lifts(run, at)
+    lifts, milli = _lifts(run, at), 1.0 if angles_of(run.model) else 1e3
     return {
         "t": _plain(factor * (at["t"] - start)),
         "unit": unit,
-        "lengths": f"{'' if turns(run) else 'm'}{unit_of('x', run.model)}",
-        "speeds": f"{'' if turns(run) else 'm'}{unit_of('v', run.model)}",
+        "lengths": _units(run, "x"),
+        "speeds": _units(run, "v"),
         "turns": turns(run),
         "targets": {name: _plain(x) for name, x in targets_at(run, at["t"]).items()} if turns(run) else {},
         "traces": [trace | {"curves": [[name, _plain(y)] for name, y in trace["curves"]]} for trace in traces(run, at["t"])],
-        "bodies": [_body(part, x, v, at, turns(run)) | {"lift": lifts.get(part["name"])} for part, x, v in _columns(run, at)],
+        "bodies": [_body(part, x, v, at, turns(run), milli) | {"lift": lifts.get(part["name"])} for part, x, v in _columns(run, at)],
         "rows": _rows(run, start, end, factor),
         "links": _links(run.model),
     }
@@ -135,11 +135,17 @@ def _columns(run: Trajectory, at: dict[str, Any]) -> Iterator[tuple[dict[str, An
         yield part, at["x"][:, 0] + drive.position(at["t"]), None
 
 
-def _body(part: dict[str, Any], x: Array, v: Any, at: dict[str, Any], is_angle: bool) -> dict[str, Any]:
+def _units(run: Trajectory, column: str) -> str:
+    """Units of positions or velocities: milli-, but where something turns; of lengths beside angles both."""
+    units = sorted({unit_of_part(column, run.model, part) for part in run.body_columns})
+    return ", ".join(units) if turns(run) or angles_of(run.model) else f"m{units[0]}"
+
+
+def _body(part: dict[str, Any], x: Array, v: Any, at: dict[str, Any], is_angle: bool, factor: float) -> dict[str, Any]:
     if is_angle:
         return {**part, "x": _plain(x), "v": _plain(v)}
     first = at["x"][0, 0] if v is None else x[0]
-    return {**part, "x": _plain(1e3 * (x - first)), "v": None if v is None else _plain(1e3 * v)}
+    return {**part, "x": _plain(factor * (x - first)), "v": None if v is None else _plain(factor * v)}
 
 
 def _lifts(run: Trajectory, at: dict[str, Any]) -> dict[str, list[float]]:

@@ -160,6 +160,20 @@ def _column(grid: Any, name: Any) -> Any:
     return grid[name].broadcast_like(grid["mean_velocity"]).transpose(*_axes(grid)).values
 
 
+def _shown(grid: Any, name: str) -> Any:
+    """A column for the table: a mean velocity within rounding of the velocities is zero."""
+    import numpy as np
+
+    from stickslip.models.rounding import ROUNDING
+
+    values, ends = _column(grid, name), ("velocity_max", "velocity_min")
+    if name != "mean_velocity" or not all(end in grid for end in ends):
+        return values
+    each = [abs(grid[end]).max([dim for dim in grid[end].dims if dim not in _axes(grid)]) for end in ends]  # of the fastest body
+    speed = np.maximum(*(of.broadcast_like(grid["mean_velocity"]).transpose(*_axes(grid)).values for of in each))
+    return np.where(np.abs(values) < ROUNDING * speed, 0.0, values)
+
+
 def _record(grid: Any, study: Any, written: str | None) -> dict[str, Any]:
     """All results, for JSON."""
     from stickslip.studies.writing import one_row_a_case
@@ -180,7 +194,7 @@ def _text(grid: Any, study: Any, written: str | None) -> str:
     names = (*axes, *varying, *(name for name in _COLUMNS if is_of_cases(grid, name)))  # several contacts have a type each
     cases = grid["mean_velocity"].size
     part = grid.isel({axes[0]: slice(0, _SHOWN)}) if axes else grid
-    columns = [_column(part, name).ravel() if name in part.variables else part[name].values for name in names]
+    columns = [_shown(part, name).ravel() if name in part.variables else part[name].values for name in names]
     head = [{"motion_type": "type", "period": "period [drive periods]"}.get(name) or headed(grid, name) for name in names]
     rows = [[_cell(name, column[i]) for name, column in zip(names, columns, strict=True)] for i in range(min(cases, _SHOWN))]
     lines = [show.aligned_table(head, rows)]

@@ -76,8 +76,8 @@ function tile(name, text) {
 }
 
 // Mean velocities: bodies that stay together have one.
-function means(found, unit) {
-  const texts = Object.entries(found).map(([name, v]) => [name, unit === "m/s" ? velocity(v) : `${digits(Math.abs(v) < 1e-12 ? 0 : v)} ${unit}`]), one = new Set(texts.map(([, text]) => text)).size === 1;
+function means(found, units) {
+  const texts = Object.entries(found).map(([name, v]) => [name, units[name] === "m/s" ? velocity(v) : `${digits(Math.abs(v) < 1e-12 ? 0 : v)} ${units[name]}`]), one = new Set(texts.map(([, text]) => text)).size === 1;
   $("means").replaceChildren(...(one ? [["mean velocity", texts[0][1]]] : texts.map(([name, text]) => [`mean velocity of ${name}`, text])).map(([name, text]) => tile(name, text)));
 }
 

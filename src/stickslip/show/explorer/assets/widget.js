@@ -57,7 +57,8 @@ function show(answer, said, charts) {
     return;
   }
   const { t, unit, lengths, speeds } = answer.picture, moving = curves(answer, "x");
-  const means = Object.entries(answer.mean_velocity).map(([name, v]) => `${name} ${readable(1e3 * v)} ${speeds}`);
+  const inUnits = (v, per) => (per === "m/s" ? `${readable(1e3 * v)} mm/s` : `${readable(v)} ${per}`);
+  const means = Object.entries(answer.mean_velocity).map(([name, v]) => `${name} ${inUnits(v, answer.speeds[name] ?? "m/s")}`);
   said.textContent = `mean velocity: ${means.join(", ")}; ${answer.status}${answer.fine ? "" : " …"}`;
   const legend = element("div", { class: "legend" }), facts = element("dl");
   for (const [name, value] of answer.facts ?? []) facts.append(element("dt", {}, name), element("dd", {}, value));
