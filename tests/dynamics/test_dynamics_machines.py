@@ -464,7 +464,7 @@ def test_a_state_that_the_strobe_map_does_not_change_by_a_bit_is_not_run_on_and_
     points, ways = strobe_orbit(alone, end.state, 64, 1e-9)
     asked = []
     monkeypatch.setattr(starts_run_on, "strobe_points", lambda *rest: asked.append(rest) or strobe_points(*rest))
-    found = rule.settled_motions(alone, states, coordinates(alone), settle, settle, 1e-9)
+    found = rule.settled_motions(alone, states, coordinates(alone), rule.Settling(settle, settle, 1e-9))
     assert np.array_equal(found.points, np.moveaxis(points, 0, 1)) and np.array_equal(found.ways, ways.T)
     assert (found.kind == "periodic").all()
     assert bool(asked) == run_on

@@ -6,7 +6,7 @@ import pytest
 import stickslip as ss
 from stickslip.dynamics.attractors.basins import wilson
 from stickslip.dynamics.attractors.motion_features import features_of, motion_numbers
-from stickslip.dynamics.attractors.settled_motions import settled_motions
+from stickslip.dynamics.attractors.settled_motions import Settling, settled_motions
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over
 from stickslip.maths import cos, sin
 
@@ -29,7 +29,7 @@ def settled(model, states, settle=50, limit=None, groups=None):
     at = coordinates(model)
     states = np.column_stack([states, np.zeros((len(states), len(at.names) - np.shape(states)[1]))])
     batch = spread_over(model, len(states))
-    return settled_motions(batch, states, at, settle, limit or 8 * settle, 1e-7, groups=groups)
+    return settled_motions(batch, states, at, Settling(settle, limit or 8 * settle, 1e-7), groups=groups)
 
 
 def integrated(acceleration, states, periods, steps=100):

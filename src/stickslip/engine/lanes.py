@@ -402,7 +402,7 @@ def arrays_of(k: Kernel, params: Any, start: Any, job: Job, room: int, goal: int
     shared["OUT"].fill(np.nan)
     shared["NOTED"].fill(np.nan)
     shared["PIECES"] = np.empty((room, bytes_of_piece(k) // 8))
-    return _aligned(before + (k.fields + 2 * (len(k.bodies) + 1)) * k.lanes), shared
+    return _aligned(before + (k.fields + 2 * (len(k.bodies) + 2)) * k.lanes), shared
 
 
 def _taken(shared: Shared) -> Any:

@@ -13,7 +13,7 @@ from stickslip.basics.errors import InputError
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 from stickslip.dynamics.attractors.kinds_of_motion import PERIODIC, UNSETTLED
 from stickslip.dynamics.attractors.motion_features import features_of, motion_numbers
-from stickslip.dynamics.attractors.settled_motions import motion_times, settled_motions
+from stickslip.dynamics.attractors.settled_motions import Settling, motion_times, settled_motions
 from stickslip.dynamics.flows.flow_stretches import passage
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle
 from stickslip.dynamics.stroboscopic.strobe_maps import spread_over, state_at_rest
@@ -138,7 +138,7 @@ def _run(plane: Plane, begun: dict[Cell, Array], look: Look) -> dict[Cell, Point
     model = plane.family.robots(*values.T)
     states = np.vstack(list(begun.values()))
     T, at = None if model.period is None else np.broadcast_to(np.asarray(model.period, float), owner.shape), plane.on(model, states, owner)
-    settled = settled_motions(model, states, at, look.settle, look.limit, look.rtol, groups=owner)
+    settled = settled_motions(model, states, at, Settling(look.settle, look.limit, look.rtol), groups=owner)
     motions, times = features_of(T, settled, at), motion_times(settled)
     first: list[int] = []  # one run of each motion
     by_point: list[list[tuple[int, int, float, int]]] = []

@@ -19,7 +19,7 @@ from stickslip.dynamics.attractors.bifurcation_diagrams import checked_values, s
 from stickslip.dynamics.attractors.kinds_of_motion import RUNS_AWAY, UNDONE, UNSETTLED, UNSOLVED, of_motions
 from stickslip.dynamics.attractors.mirror_images import mirror_images
 from stickslip.dynamics.attractors.motion_features import Features, features_of, motion_numbers
-from stickslip.dynamics.attractors.settled_motions import Settled, settled_motions
+from stickslip.dynamics.attractors.settled_motions import Settled, Settling, settled_motions
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.chunked_runs import Report
@@ -192,7 +192,7 @@ class _Along:
 
     def settled(self, model: Model, states: Array) -> Settled:
         many = spread_over(model, len(states))
-        return settled_motions(many, states, self.on(model), self.settle, self.limit, self.rtol, workers=self.workers)
+        return settled_motions(many, states, self.on(model), Settling(self.settle, self.limit, self.rtol), workers=self.workers)
 
     def numbered(self, model: Model, settled: Settled) -> tuple[Features, Array]:
         """Features of the motions, and a number for each."""

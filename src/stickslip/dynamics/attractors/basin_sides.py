@@ -12,7 +12,7 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.variables import unit_of
 from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, PERIODIC, RUNS_AWAY, UNSETTLED, UNSOLVED
 from stickslip.dynamics.attractors.motion_features import Features, features_of
-from stickslip.dynamics.attractors.settled_motions import Settled, settled_motions
+from stickslip.dynamics.attractors.settled_motions import Settled, Settling, settled_motions
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, spread_over
 from stickslip.models.model_adapter import adapter_of
 
@@ -45,7 +45,7 @@ class SideJudge:
 
 def _settled(model: Model, at: Coordinates, states: Array, settle: int, rtol: float) -> tuple[Features, Settled]:
     """Features of the motions on which starts settle."""
-    settled = settled_motions(spread_over(model, len(states)), states, at, settle, _LONGER * settle, rtol)
+    settled = settled_motions(spread_over(model, len(states)), states, at, Settling(settle, _LONGER * settle, rtol))
     return features_of(model.period, settled, at), settled
 
 

@@ -21,7 +21,7 @@ from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs, velo
 from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, PERIODIC, STEADY, UNSETTLED, of_motions
 from stickslip.dynamics.attractors.mirror_images import image_in_words, mirror_images
 from stickslip.dynamics.attractors.motion_features import Features, features_of, motion_numbers
-from stickslip.dynamics.attractors.settled_motions import Settled, checked_limit, settled_motions
+from stickslip.dynamics.attractors.settled_motions import Settled, Settling, checked_limit, settled_motions
 from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.chunked_runs import Report
 from stickslip.dynamics.stroboscopic.phase_shift import shifted_robots
@@ -233,7 +233,7 @@ def basins(
     states = on_grid(table, model)
     at = on_section(model, at, section=section, turns=turns, states=states, what="basins")
     batch = shifted_robots("basins", model, table["phase"]) if "phase" in table else spread_over(model, len(states))
-    settled = settled_motions(batch, states, at, settle, limit, rtol, workers=crew, progress=progress, partly=True)
+    settled = settled_motions(batch, states, at, Settling(settle, limit, rtol), workers=crew, progress=progress, partly=True)
     result = _gathered(model, axes, settled, at, "phase" in table, rtol)
     result = replace(result, notes=(*result.notes, *_changed(model, states)))
     if settled.ending.interrupted:

@@ -17,7 +17,7 @@ from stickslip.basics.interruption import interruptible, look, partial_result
 from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, UNDONE, of_motions
 from stickslip.dynamics.attractors.motion_features import features_of
 from stickslip.dynamics.attractors.period_numbers import POINTS
-from stickslip.dynamics.attractors.settled_motions import checked_limit, motion_times, settled_motions
+from stickslip.dynamics.attractors.settled_motions import Settling, checked_limit, motion_times, settled_motions
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chosen_sections import on_section
@@ -167,9 +167,8 @@ class _Look:
     def columns_at(self, values: Array, states: Array) -> dict[str, Array]:
         """Columns of the cases of its values, each with its own start."""
         model, at, n = self.robots.robots(values), self.at, len(states)
-        settled = settled_motions(
-            model, states, at, self.settle, self.limit, self.rtol, groups=np.arange(n), points=max(self.points, POINTS)
-        )
+        how = Settling(self.settle, self.limit, self.rtol, max(self.points, POINTS))
+        settled = settled_motions(model, states, at, how, groups=np.arange(n))
         V = features_of(model.period, settled, at).mean_velocity
         ends, known = settled.points[:, -1], np.flatnonzero(np.isfinite(settled.points[:, -1]).all(axis=1))
         extremes = np.full((2, n), np.nan)

@@ -20,7 +20,7 @@ from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import StickslipError
 from stickslip.dynamics.attractors.motion_features import Features, features_of
 from stickslip.dynamics.attractors.period_numbers import return_tolerance
-from stickslip.dynamics.attractors.settled_motions import LIMIT, settled_motions
+from stickslip.dynamics.attractors.settled_motions import LIMIT, Settling, settled_motions
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, flight, spread_over, state_at, strobe_orbit
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.model_adapter import adapter_of
@@ -56,7 +56,7 @@ def mirror_images(model: Model, at: Coordinates, motions: Features, states: Arra
                 images[i], known[i] = image, True
     if not known.any():
         return places
-    settled = settled_motions(spread_over(model, int(known.sum())), images[known], at, 1, LIMIT, rtol)
+    settled = settled_motions(spread_over(model, int(known.sum())), images[known], at, Settling(1, LIMIT, rtol))
     mirrored = features_of(model.period, settled, at)
     for row, i in enumerate(np.flatnonzero(known).tolist()):
         if settled.attracted[row]:

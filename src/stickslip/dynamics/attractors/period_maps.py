@@ -16,7 +16,7 @@ from stickslip.basics.fields import floats
 from stickslip.basics.interruption import interruptible, partial_result
 from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, OF_MOTIONS, UNDONE, worded
 from stickslip.dynamics.attractors.motion_features import features_of
-from stickslip.dynamics.attractors.settled_motions import checked_limit, settled_motions
+from stickslip.dynamics.attractors.settled_motions import Settling, checked_limit, settled_motions
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.derivatives.tangents import jacobians_of, not_followed
 from stickslip.dynamics.exponents.motion_exponents import exponents_from
@@ -127,7 +127,7 @@ def chaos_map(
     def values_of(part: slice) -> list[Array]:
         return [column[part] for column in grid]
 
-    work = partial(_looked_at, robots, start, (section, turns), settle, most, periods, rtol)
+    work = partial(_looked_at, robots, start, (section, turns), Settling(settle, most, rtol, exponents=periods))
     with partial_result() as ending:
         for part, results in over_chunks(size, values_of, work, crew, progress):
             for column, values in zip(whole, results, strict=True):
@@ -164,17 +164,15 @@ def _axes(arguments: dict[str, Any], settle: Any, limit: Any, periods: Any, work
     return axes, most
 
 
-def _looked_at(
-    robots: Family, start: Any, section: tuple[Any, int], settle: int, limit: int, periods: int, rtol: float, values: list[Array], tell: Any
-) -> tuple[Array, ...]:
+def _looked_at(robots: Family, start: Any, section: tuple[Any, int], how: Settling, values: list[Array], tell: Any) -> tuple[Array, ...]:
     """Period, mean velocity, motion, exponent, its error and drive periods of a part of the grid."""
-    cases = len(values[0])
+    cases, rtol = len(values[0]), how.rtol
     model = spread_over(robots.robots(*values), cases)
     first = states_of(start, model)
     at = coordinates(robots.robot(*(column[0] for column in values)))
     at = on_section(model, at, section=section[0], turns=section[1], states=first, what="chaos_map")
     first = at.section.starts(first) if start is None and at.section is not None else first
-    settled = settled_motions(model, first, at, settle, limit, rtol, groups=np.arange(cases), exponents=periods)
+    settled = settled_motions(model, first, at, how, groups=np.arange(cases))
     tell(0.7)
     V = features_of(model.period, settled, at).mean_velocity
     state, exponent, error = settled.points[:, -1], settled.exponent.copy(), settled.error.copy()
@@ -186,7 +184,9 @@ def _looked_at(
             exponent[members], error[members] = _by_multipliers(some, state[members], int(p), at.scales, rtol)
         else:
             apart = max(1e-7, 100 * rtol)
-            exponent[members], error[members] = exponents_from(some, state[members], periods, rtol=rtol, apart=apart, at=at.of(members))
+            exponent[members], error[members] = exponents_from(
+                some, state[members], how.exponents, rtol=rtol, apart=apart, at=at.of(members)
+            )
     return settled.period, V, settled.kind, exponent, error, settled.run
 
 

@@ -18,6 +18,7 @@ long stretch, and is called by what that shows:
 from __future__ import annotations
 
 from contextlib import nullcontext
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -129,13 +130,36 @@ def checked_limit(problems: Problems, settle: Any, limit: Any) -> int:
     return int(limit)
 
 
+@dataclass(frozen=True)
+class Settling:
+    """How long starts are run until they have settled, and what of them is looked at.
+
+    Parameters
+    ----------
+    settle, limit : int
+        Drive periods before the first look, and after which no start is run on.
+    rtol : float
+        Tolerance of the runs.
+    points : int
+        Strobe points to record.
+    exponents : int
+        Drive periods over which exponents are averaged; 600 where fewer do not tell them from zero.
+    """
+
+    settle: int
+    limit: int
+    rtol: float
+    points: int = POINTS
+    exponents: int = STRETCH
+
+
 #: The models of some starts, their states and coordinates.
 _Starts = tuple[Any, Array, Coordinates]
 
 
 def settled_motions(
-    batch: Any, states: Array, at: Coordinates, settle: int, limit: int, rtol: float, *, groups: Array | None = None, points: int = POINTS,
-    exponents: int = STRETCH, workers: Workers = HERE, progress: Report | None = None, partly: bool = False,
+    batch: Any, states: Array, at: Coordinates, how: Settling, *, groups: Array | None = None, workers: Workers = HERE,
+    progress: Report | None = None, partly: bool = False,
 ) -> Settled:  # fmt: skip
     """Run starts until they have settled, up to a limit, and say on what.
 
@@ -145,15 +169,11 @@ def settled_motions(
         A batch of as many cases as there are starts.
     states : array (cases, coordinates)
         The starts.
-    settle, limit : int
-        Drive periods before the first look, and after which no start is run on.
+    how : Settling
+        How long they are run.
     groups : array (cases,), optional
         Starts of one model have one number: one orbit may explain several of them, and a late end of one transient speaks against chaos of
         the others. All starts if not given.
-    points : int
-        Strobe points to record.
-    exponents : int
-        Drive periods over which exponents are averaged; 600 where fewer do not tell them from zero.
     partly : bool
         Whether an interruption gives the starts that are done; else it goes on to the caller.
 
@@ -162,18 +182,18 @@ def settled_motions(
     >>> import stickslip as ss
     >>> from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
     >>> logistic = ss.SwitchingFlow.of_map(lambda y, n: (n.r * y[0] * (1 - y[0]),), {"r": [2.8, 3.2, 3.9, 4.5]}, ("x",))
-    >>> found = settled_motions(logistic, np.full((4, 2), [0.3, 0.0]), coordinates(logistic), 100, 800, 1e-7, groups=np.arange(4))
+    >>> found = settled_motions(logistic, np.full((4, 2), [0.3, 0.0]), coordinates(logistic), Settling(100, 800, 1e-7), groups=np.arange(4))
     >>> found.kind.tolist(), found.period.tolist()
     (['periodic', 'periodic', 'chaotic', 'runs away'], [1, 2, 0, 0])
     """
     cases = len(states)
     groups = np.zeros(cases, int) if groups is None else groups
-    whole = WatchedStarts(at, cases, states.shape[1], points)
+    whole = WatchedStarts(at, cases, states.shape[1], how.points)
 
     def starts(part: slice) -> _Starts:
         return some_of(batch, part), np.array(states[part], float), at.of(part)
 
-    work = partial(_watched, settle, limit, rtol, points, exponents)
+    work = partial(_watched, how)
     with partial_result() if partly else nullcontext(Ending()) as ending:
         for part, watched in over_chunks(cases, starts, work, workers, progress):
             whole.put(part, watched)
@@ -182,7 +202,7 @@ def settled_motions(
         own = np.flatnonzero(groups == group)
         looked = np.array([i for i in np.intersect1d(left, own).tolist() if i in whole.long], int)
         if len(looked):
-            GroupOfStarts(batch, whole, rtol, looked, late_ends(whole, own)).judge()
+            GroupOfStarts(batch, whole, how.rtol, looked, late_ends(whole, own)).judge()
     _off_the_section(whole)
     _on_unstable_motions(whole)
     whole.period[np.isin(whole.kind, (UNSOLVED, RUNS_AWAY, UNSETTLED))] = 0
@@ -193,12 +213,12 @@ def settled_motions(
     )  # fmt: skip
 
 
-def _watched(settle: int, limit: int, rtol: float, points: int, exponents: int, starts: _Starts, tell: Tell) -> WatchedStarts:
+def _watched(how: Settling, starts: _Starts, tell: Tell) -> WatchedStarts:
     """Run some starts until they have settled."""
-    run = StartsRun(*starts, rtol, points)
-    run.settle(settle, limit, tell)
+    run = StartsRun(*starts, how.rtol, how.points)
+    run.settle(how.settle, how.limit, tell)
     run.nudge()
-    run.look_long(exponents)
+    run.look_long(how.exponents)
     return run.watched
 
 

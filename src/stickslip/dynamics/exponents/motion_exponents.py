@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -246,9 +246,19 @@ def largest_exponents(
     state = states_of(start, model)
     whole = np.full((2, len(state)), np.nan)
     with partial_result():
-        for part, values in _parts_apart(model, state, periods, settle, rtol, apart, crew, progress):
+        for part, values in _parts_apart(model, state, Neighbours(periods, settle, rtol, apart), crew, progress):
             whole[:, part] = values
     return whole[0], whole[1]
+
+
+@dataclass(frozen=True)
+class Neighbours:
+    """How far two neighbours are apart, in scales, and over which drive periods, after which transient, they are followed."""
+
+    periods: int
+    settle: int
+    rtol: float
+    apart: float
 
 
 def exponents_from(
@@ -256,37 +266,34 @@ def exponents_from(
 ) -> tuple[Array, Array]:
     """The same from strobe states (cases, coordinates), one for each case of a batch; nothing is checked."""
     whole = np.full((2, len(state)), np.nan)
-    for part, values in _parts_apart(model, state, periods, 0, rtol, apart, HERE, None, at):
+    for part, values in _parts_apart(model, state, Neighbours(periods, 0, rtol, apart), HERE, None, at):
         whole[:, part] = values
     return whole[0], whole[1]
 
 
 def _parts_apart(
-    model: Model, state: Array, periods: int, settle: int, rtol: float, apart: float, workers: Workers, progress: Report | None,
-    at: Coordinates | None = None,
-) -> Iterator[tuple[slice, tuple[Array, Array]]]:  # fmt: skip
+    model: Model, state: Array, how: Neighbours, workers: Workers, progress: Report | None, at: Coordinates | None = None
+) -> Iterator[tuple[slice, tuple[Array, Array]]]:
     """Exponents and errors of a batch, part by part."""
     known = coordinates(model) if at is None else at
 
     def starts(part: slice) -> tuple[Model, Array, Coordinates]:
         return some_of(model, part), state[part], known.of(part)
 
-    return over_chunks(len(state), starts, partial(_apart_after, settle, periods, rtol, apart), workers, progress)
+    return over_chunks(len(state), starts, partial(_apart_after, how), workers, progress)
 
 
-def _apart_after(
-    settle: int, periods: int, rtol: float, apart: float, starts: tuple[Model, Array, Coordinates], tell: Tell
-) -> tuple[Array, Array]:
+def _apart_after(how: Neighbours, starts: tuple[Model, Array, Coordinates], tell: Tell) -> tuple[Array, Array]:
     """Exponents and errors of some cases, after transients."""
     model, state, at = starts
-    begun = strobe_map(model, state, settle, max(rtol, 1e-8), at).state if settle else state
-    tell(settle / (settle + 3.0 * (ALIGN + periods)))
-    return _apart_by(model, begun, at, periods, rtol, apart, tell)
+    begun = strobe_map(model, state, how.settle, max(how.rtol, 1e-8), at).state if how.settle else state
+    tell(how.settle / (how.settle + 3.0 * (ALIGN + how.periods)))
+    return _apart_by(model, begun, at, how, tell)
 
 
-def _apart_by(model: Model, state: Array, at: Coordinates, periods: int, rtol: float, apart: float, tell: Any) -> tuple[Array, Array]:
+def _apart_by(model: Model, state: Array, at: Coordinates, how: Neighbours, tell: Any) -> tuple[Array, Array]:
     """The mean growth of the distance of two neighbours per drive period, and its error, for some cases."""
-    cases = len(state)
+    cases, periods, apart = len(state), how.periods, how.apart
     twice = np.tile(np.arange(cases), 2)
     both, of_both = some_of(model, twice), at.of(twice)
     d = at.smooth
@@ -298,7 +305,7 @@ def _apart_by(model: Model, state: Array, at: Coordinates, periods: int, rtol: f
     for k in range(ALIGN + periods):
         if k % 16 == 15:
             tell(k / (ALIGN + periods))
-        ends = strobe_map(both, np.vstack([state, np.hstack([state[:, :d] + away, other])]), 1, rtol, of_both).state
+        ends = strobe_map(both, np.vstack([state, np.hstack([state[:, :d] + away, other])]), 1, how.rtol, of_both).state
         state, other, gap = ends[:cases], ends[cases:, d:], np.where(free, (ends[cases:, :d] - ends[:cases, :d]) / scales, 0.0)
         size = np.linalg.norm(gap, axis=1)
         with np.errstate(divide="ignore"):

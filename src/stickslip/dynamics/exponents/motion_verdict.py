@@ -12,7 +12,7 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible
 from stickslip.basics.notebook_display import Face
 from stickslip.dynamics.attractors.kinds_of_motion import CHAOTIC, PERIODIC, QUASI_PERIODIC, RUNS_AWAY, STEADY, UNSETTLED, UNSOLVED
-from stickslip.dynamics.attractors.settled_motions import LIMIT, Settled, checked_limit, settled_motions
+from stickslip.dynamics.attractors.settled_motions import LIMIT, Settled, Settling, checked_limit, settled_motions
 from stickslip.dynamics.attractors.starts_run_on import ERRORS
 from stickslip.dynamics.exponents.general_exponents import STRETCHES, Lyapunov
 from stickslip.dynamics.exponents.motion_exponents import check_exponents, exponents_along, state_after
@@ -130,7 +130,7 @@ def verdict(
     begun = states_of(start, model)
     at = on_section(model, section=section, turns=turns, states=begun, what="verdict")
     begun = at.section.starts(begun) if start is None and at.section is not None else begun
-    motion = settled_motions(spread_over(model, 1), begun, at, first, most or LIMIT * first, rtol, exponents=periods)
+    motion = settled_motions(spread_over(model, 1), begun, at, Settling(first, most or LIMIT * first, rtol, exponents=periods))
     if motion.kind[0] in (RUNS_AWAY, UNSOLVED):
         why = "its state grows without bound" if motion.kind[0] == RUNS_AWAY else "it cannot be solved"
         raise SolveError(f"verdict: the motion has no exponents, as {why}; give another start=, or other numbers")

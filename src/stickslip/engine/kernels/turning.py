@@ -4,7 +4,8 @@
 #
 # A polynomial's coefficients stand at S[at + m * D[LANES]], m = 0 .. D[DEGREE], in powers of the part of the step.
 
-WELL = 1e-8  # of a step: the value where it turns is then known to 1e-16 of its change
+SURELY = 0.25  # of how far a cubic turns beyond the ends of a step: it may be wrong by a tenth of that
+WELL = 1e-4  # of a step: Newton's method is then within 1e-8 of where it turns, and the value there known to 1e-16 of its change
 
 
 @njit(float64(int64, float64, f1, i1), **OPTIONS)
@@ -14,6 +15,16 @@ def on_step(at, x, S, D):
     value = S[at + degree * L]
     for m in range(degree - 1, -1, -1):
         value = fma(value, x, S[at + m * L])
+    return value
+
+
+@njit(float64(int64, float64, f1, i1), **OPTIONS)
+def slope_on_step(at, x, S, D):
+    """The slope at a part of the step."""
+    L, degree = D[LANES], D[DEGREE]
+    value = degree * S[at + degree * L]
+    for m in range(degree - 1, 0, -1):
+        value = fma(value, x, m * S[at + m * L])
     return value
 
 
@@ -59,9 +70,9 @@ def widen_on_step(high, at, part, S, D):
     for m in range(2, D[DEGREE] + 1):
         c = abs(S[at + m * D[LANES]])
         reach += c
-        bend += m * c
+        bend += m * (m - 1) * c
     if may_widen(high, at, reach, S, D):
-        widen_within(high, at, part, bend, S, D)
+        widen_within(high, at, part, on_step(at, part, S, D), slope_on_step(at, part, S, D), bend, S, D)
 
 
 @njit(boolean(int64, int64, float64, f1, i1), **OPTIONS)
@@ -71,29 +82,45 @@ def may_widen(high, at, reach, S, D):
     return not (first + whole <= S[high] and first - whole >= S[high + D[LANES]])
 
 
-@njit(void(int64, int64, float64, float64, f1, i1), **OPTIONS)
-def widen_within(high, at, part, bend, S, D):
-    """The same of one that may; its slope changes by less than `bend`."""
-    L, degree, low = D[LANES], D[DEGREE], high + D[LANES]
-    one, two, three = 0.25 * part, 0.5 * part, 0.75 * part
-    c = S[at + degree * L]
-    last, d1, d2, d3, d4 = c, degree * c, degree * c, degree * c, degree * c
-    for m in range(degree - 1, 0, -1):
-        c = S[at + m * L]
-        last = fma(last, part, c)
-        d1, d2, d3, d4 = fma(d1, one, m * c), fma(d2, two, m * c), fma(d3, three, m * c), fma(d4, part, m * c)
-    first, d0 = S[at], S[at + L]
-    last = fma(last, part, first)
-    S[high], S[low] = max(S[high], max(first, last)), min(S[low], min(first, last))
-    if abs(d0) < bend:  # else it rises all along, or falls
-        if d0 * d1 < 0.0:
-            widen_by(high, value_where_it_turns(at, 0.0, one, d0, d1, S, D), S, D)
-        if d1 * d2 < 0.0:
-            widen_by(high, value_where_it_turns(at, one, two, d1, d2, S, D), S, D)
-        if d2 * d3 < 0.0:
-            widen_by(high, value_where_it_turns(at, two, three, d2, d3, S, D), S, D)
-        if d3 * d4 < 0.0:
-            widen_by(high, value_where_it_turns(at, three, part, d3, d4, S, D), S, D)
+@njit(boolean(int64, float64, float64, float64, float64, f1, i1), **OPTIONS)
+def turns_outside(high, first, last, before, after, S, D):
+    """Whether a step that turns once may leave the range there: by the cubic with its values and slopes at both ends, and a part."""
+    rise = last - first
+    a, b = before + after - 2.0 * rise, 3.0 * rise - 2.0 * before - after
+    root = math.sqrt(max(b * b - 3.0 * a * before, 0.0))
+    x = before / (root - b) if before > 0.0 else -before / (root + b)
+    value = fma(fma(fma(a, x, b), x, before), x, first)
+    if before > 0.0:
+        return not value + SURELY * (value - max(first, last)) <= S[high]
+    return not value - SURELY * (min(first, last) - value) >= S[high + D[LANES]]
+
+
+@njit(void(int64, int64, float64, float64, float64, float64, f1, i1), **OPTIONS)
+def widen_within(high, at, part, last, after, bend, S, D):
+    """The same of one that may; `last` and `after` are its value and its slope at the end, its curvature is `bend` at most."""
+    first, before = S[at], S[at + D[LANES]]
+    S[high], S[high + D[LANES]] = max(S[high], max(first, last)), min(S[high + D[LANES]], min(first, last))
+    half = 0.5 * part
+    if before * after >= 0.0 and abs(before) + abs(after) > bend * part:  # it rises all along, or falls
+        return
+    if before * after < 0.0:
+        if turns_outside(high, first, last, part * before, part * after, S, D):
+            widen_by(high, value_where_it_turns(at, 0.0, part, before, after, S, D), S, D)
+        return
+    middle = slope_on_step(at, half, S, D)
+    if before * middle < 0.0:  # it turns twice
+        widen_by(high, value_where_it_turns(at, 0.0, half, before, middle, S, D), S, D)
+        widen_by(high, value_where_it_turns(at, half, part, middle, after, S, D), S, D)
+        return
+    change = max(abs(middle - before), abs(after - middle))
+    if min(abs(before), min(abs(middle), abs(after))) < 0.5 * change:  # it may turn twice in one of the halves
+        early, late = slope_on_step(at, 0.5 * half, S, D), slope_on_step(at, 1.5 * half, S, D)
+        if before * early < 0.0:
+            widen_by(high, value_where_it_turns(at, 0.0, 0.5 * half, before, early, S, D), S, D)
+            widen_by(high, value_where_it_turns(at, 0.5 * half, half, early, middle, S, D), S, D)
+        if middle * late < 0.0:
+            widen_by(high, value_where_it_turns(at, half, 1.5 * half, middle, late, S, D), S, D)
+            widen_by(high, value_where_it_turns(at, 1.5 * half, part, late, after, S, D), S, D)
 
 
 @njit(float64(int64, f1, i1), **OPTIONS)
