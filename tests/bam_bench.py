@@ -61,7 +61,8 @@ def swung(
     p: Mapping[str, Any], inertia: float, gravity: float, kp: float, supply: float, command: Any, step: float, parts: int = 20
 ) -> Any:
     """Angles of a servo at the beginning of each step of a command that holds over it, from rest at zero [rad]."""
-    limit, J, ratio, k_t = friction(p), inertia + p["armature"], p["kt"] / p["R"], p["kt"]
+    limit, J = friction(p), inertia + p["armature"]
+    ratio, k_t = (p["kt"] / p["R"], p["kt"]) if "R" in p else (p["kt"], 0.0)  # by a voltage, or by a current
     h, x, v, angles = step / parts, 0.0, 0.0, []
 
     def torques(x: float, v: float, goal: float) -> tuple[float, float]:

@@ -43,10 +43,12 @@ def stroke(random: np.random.Generator, even: bool) -> tuple[Any, Any, Any]:
 def law_over(law: Any, x: Any, v: Any, t: Any) -> Any:
     """Friction forces at some instants, from a motion given as functions of time."""
     h = float(t[1] - t[0])
-    fine = t[0] + (np.arange(len(t) * FINE) - FINE + 1) * h / FINE
+    early = round(1.0 / h)  # samples of the second before the record, in which the rig moves already
+    count = (len(t) + early) * FINE
+    fine = t[0] - early * h + (np.arange(count) - FINE + 1) * h / FINE
     way = np.diff(x(fine), prepend=x(fine[0] - h / FINE)) * FINE / h
     load = np.full((len(fine), 1), LOAD)
-    return law_force(adapted(law), Stepped(fine, way, v(fine)), load, np.zeros((len(fine), 1)), 1)[FINE - 1 :: FINE, 0]
+    return law_force(adapted(law), Stepped(fine, way, v(fine)), load, np.zeros((len(fine), 1)), 1)[FINE - 1 :: FINE, 0][early:]
 
 
 def position(random: np.random.Generator, x: Any, kind: str) -> Any:

@@ -495,7 +495,7 @@ def test_a_report_names_the_record_the_part_and_what_was_left_out(tmp_path):
     load = np.where(np.arange(len(t)) % 50 == 7, -1.0, 10.0)
     made = ss.Record.of(t, {"x [m]": x, "F [N]": np.sign(np.gradient(x)), "N [N]": load}, roles={"F": "force", "N": "load"})
     rec = ss.read(made.save(tmp_path / "loops.csv")).between(0.0, 0.75 * t[-1])
-    fit = ss.identify(rec, ss.Coulomb, free={"mu_plus": (0.05, 1.0), "mu_minus": (0.05, 1.0)}, starts=2, sensor={})
+    fit = ss.identify(rec, ss.Coulomb, free={"mu_plus": (0.05, 1.0), "mu_minus": (0.05, 1.0)}, starts=2)
     left = len(rec["F"]) - fit.count
     assert left > 0 and any(f"of {len(rec['F'])} samples {left} have no positive load" in w for w in fit.warnings)
     page = fit.report(tmp_path / "fit.html").read_text(encoding="utf-8")

@@ -5,6 +5,7 @@ import pytest
 
 import stickslip as ss
 from bam_bench import chirp, pendulum, shown, sines, swung
+from stickslip.inverse.identification.uncertainty import faults
 from stickslip.solvers.followed import followed
 
 STEP, KP, SUPPLY = 0.01, 38.0, 14.4
@@ -61,6 +62,18 @@ def test_friction_inertia_and_motor_of_a_servo_from_one_log():
     rest = fit.predicted[0] - rec["angle"].si
     assert np.std(rest) == pytest.approx(2 * np.pi / 4096 * np.hypot(0.3, 1 / np.sqrt(12)), rel=0.15)
     assert "angle: rms" in fit.report() and set(fit.sensor) == {"delay", "zero", "begin"}
+
+
+def test_angles_that_a_model_cannot_follow_within_their_noise_leave_no_narrow_interval():
+    """With a tenth too much gravity: the noise of an angle shows by itself, residuals are beyond it, and intervals grow by that."""
+    rec, gravity = log(M1, 1.0, chirp, 4.0, seed=3), pendulum(1.0, 0.15, 0.1)[1]
+    free = {"motor_inertia": (1e-3, 0.1), "load.base": (0.0, 0.3), "motor.k_t": (1.0, 3.0)}
+    fits = [ss.identify(rec, servo().replace({"gravity_torque": G}), free=free, starts=1) for G in (gravity, 1.1 * gravity)]
+    right, wrong = fits
+    assert faults(right) == [] and right.misfit.is_none
+    assert right.quality[0].noise == pytest.approx(2 * np.pi / 4096 * np.hypot(0.3, 1 / np.sqrt(12)), rel=0.15)
+    assert wrong.misfit.factor > 1.5 and any("where the noise is" in said for said in faults(wrong))
+    assert wrong.errors["load.base"] > 3 * right.errors["load.base"]
 
 
 @pytest.mark.slow

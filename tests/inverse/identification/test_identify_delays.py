@@ -1,10 +1,16 @@
 """Delays of load cells beside forces that jump where the motion turns, and steps where data do not determine a number."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 import stickslip as ss
+from stickslip.inverse.identification.covariance import noise_scale, spread_of, still_promised
 from stickslip.inverse.identification.damped_steps import damped_steps
+from stickslip.inverse.identification.misfit import misfit_of
+from stickslip.inverse.identification.search import SearchEnd
+from stickslip.inverse.identification.uncertainty import faults
 
 LOAD = 40.0
 
@@ -52,3 +58,18 @@ def test_steps_go_on_where_a_number_has_no_effect():
     assert end.x == pytest.approx([y.mean(), 1.0, 0.3], abs=1e-5) and end.promised < 1e-6
     at_a_bound = damped_steps(residuals, jacobian, start, (np.array([3.05, 0, 0]), high), until)
     assert at_a_bound.x[0] == 3.05 and at_a_bound.x[1] == pytest.approx(y.mean() / 3.05, rel=1e-4)
+
+
+def test_a_search_that_ends_before_a_minimum_says_so_and_its_intervals_hold_the_minimum():
+    free, tied = {"mu_plus": (0.05, 0.6)}, {"mu_minus": "mu_plus"}
+    fit = ss.identify(rig(0.0, 250.0, "Coulomb"), ss.Coulomb, free=free, tied=tied, load=LOAD, starts=2, sensor={"offset": None})
+    problem, ended = fit.problem, fit.point + np.array([30 * np.sqrt(fit.spread[0, 0]), 0.0])
+    r, J = problem.residuals(ended), problem.jacobian(ended)
+    early = SearchEnd(ended, r, J, 3, promised=float(r @ r) - fit.cost)
+    assert still_promised(problem, SearchEnd(fit.point, problem.residuals(fit.point), problem.jacobian(fit.point), 9)) == 0.0
+    assert still_promised(problem, early) == pytest.approx(early.promised / noise_scale(problem, early) ** 2)
+    misfit = misfit_of(problem, early, None)
+    spread = spread_of(problem, J, r[: fit.count], noise_scale(problem, early), None, misfit)
+    assert np.sqrt(spread[0, 0]) > 0.9 * (ended - fit.point)[0] and not misfit.is_none
+    said = dataclasses.replace(fit, misfit=misfit)
+    assert any("ended before a minimum" in text for text in (*faults(said), *said.warnings))

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 _FEWEST = 40  # samples of a log
 _STEP = 1e-5  # of the distance between the bounds: differences for derivatives
+_EXACT = 1e-6  # of the range of an angle: noise that is left to a simulation, of which a record may be one
 _KEPT = 256  # motions of each log that are remembered
 _FIRST = 8  # samples at the beginning that say how fast the motion begins
 _MOVES = 5.0  # standard errors of that velocity above which the motion does not begin at rest
@@ -77,6 +78,11 @@ class CommandLog(Compared):
     def step(self) -> float:
         """Usual time between samples [s]."""
         return float(np.median(np.diff(self.t)))
+
+    @property
+    def most_noise(self) -> float:
+        """The most that the noise of an angle can be: what neighbours scatter, and rounding that they do not show at rest [rad]."""
+        return max(float(np.hypot(self.sigma, _count(self.y) / np.sqrt(12))), _EXACT * float(np.ptp(self.y)))
 
     @property
     def time(self) -> Any:
@@ -138,10 +144,14 @@ def command_log(model: Model, rec: Record, sigma: float | None, label: str) -> C
 
 def _noise(y: Array) -> float:
     """The noise of one angle, that of its counts at least [rad]."""
-    steps = abs(np.diff(y))
-    count = float(np.min(steps[steps > 1e-9 * np.ptp(y)], initial=np.ptp(y)))
     scatter = noise(y)
-    return max(scatter if np.isfinite(scatter) else 0.0, count / np.sqrt(12), 1e-9 * float(np.ptp(y))) or 1.0
+    return max(scatter if np.isfinite(scatter) else 0.0, _count(y) / np.sqrt(12), 1e-9 * float(np.ptp(y))) or 1.0
+
+
+def _count(y: Array) -> float:
+    """The least step between neighbours [rad]."""
+    steps = abs(np.diff(y))
+    return float(np.min(steps[steps > 1e-9 * np.ptp(y)], initial=np.ptp(y)))
 
 
 def _rate(t: Array, y: Array) -> float:

@@ -14,6 +14,7 @@ _TIMES = 100.0  # by which the noise of a record may be found larger or smaller 
 _SAME, _ALIKE = 0.05, 0.01  # parts by which the noise of all records, and that of each beside the others, may be off
 _TOGETHER = 0.95  # correlation of two numbers above which they are named
 _LOST = 1 / 3  # of the distance between bounds
+_AT_A_MINIMUM = 0.1  # squares of the noise: less is promised at a minimum, where numbers are within a third of their standard errors
 _RARE = 1e-3  # chance below which a sum of squares is beyond the noise that was given
 _WHITE = 3.5  # standard errors within which the correlation of neighbours is that of white noise
 
@@ -37,6 +38,12 @@ def noise_scale(problem: Any, minimum: Any) -> float:
     if free < 1 or (known and (any(t.kind != "mean" for t in problem.targets) or _by_chance(cost, free) > _RARE)):
         return 1.0
     return float(np.sqrt(cost / free))
+
+
+def still_promised(problem: Any, end: Any) -> float:
+    """By how many squares of the noise the derivatives at the end of a search promise a lower sum of squares; 0 at a minimum."""
+    promised = end.promised / max(noise_scale(problem, end) ** 2, 1e-300)
+    return float(promised) if promised > _AT_A_MINIMUM else 0.0
 
 
 def _counted(problem: Any, residuals: Array) -> Any:

@@ -6,7 +6,6 @@ derivative has that, and steps along derivatives do not lead over a jump.
 
 from __future__ import annotations
 
-import dataclasses
 from typing import Any
 
 import numpy as np
@@ -52,16 +51,6 @@ def delayed_best(problem: Any, point: Any) -> tuple[Any, Any]:
     moved[problem.first :] = there.linear(h, moved)[0]
     old, new = here.residuals(point), there.residuals(moved)
     return (there, moved) if new @ new < old @ old else (here, point)
-
-
-def without_ends(model: Any, numbers: Any, held: Any) -> Any:
-    """The model of records of forces without the values that a delay would bring from before the motion was recorded, or from after it."""
-    late: dict[int, float] = {}
-    for number, most in ((n, max(map(abs, n.bounds))) for n in numbers if n.what == "delay"):
-        late |= {i: most for i in number.records if np.isfinite(most)}
-    late |= {i: abs(n.value) for n in held if n.what == "delay" for i in n.records}
-    targets = tuple(t.without_ends(late[i]) if t.kind == "force" and late.get(i) else t for i, t in enumerate(model.targets))
-    return dataclasses.replace(model, targets=targets) if late else model
 
 
 def with_jumps(problem: Any, end: Any, scale: float, spread: Any) -> Any:

@@ -22,7 +22,7 @@ from stickslip.basics.quantities import between
 from stickslip.inverse.identification.commanded_logs import CommandedProblem, command_log, takes_commands
 from stickslip.inverse.identification.constant_speeds import is_of_constant_speeds, motion_at_constant_speeds
 from stickslip.inverse.identification.covariance import noise_scale, spread_of
-from stickslip.inverse.identification.delays import with_jumps, without_ends
+from stickslip.inverse.identification.delays import with_jumps
 from stickslip.inverse.identification.drive_harmonics import with_harmonics
 from stickslip.inverse.identification.fit import Fit
 from stickslip.inverse.identification.fit_settings import FitSettings
@@ -237,7 +237,6 @@ def problem_of(
         model = MeansProblem(of, targets, how.rtol) if only_means else SteadyProblem(of, targets, how.rtol)
     numbers, held = sensors_of(how.sensor, model.targets)
     starts_open = [i for i, t in enumerate(model.targets) if model.remembers and t.any_start]
-    model = without_ends(model, numbers, held)
     numbers = with_harmonics(with_starts(numbers, held, starts_open), how.harmonics, model.targets, of, first)
     return MeasuredProblem(model, numbers, held, given=how.sensor, harmonics=how.harmonics)
 

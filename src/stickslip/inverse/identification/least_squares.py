@@ -122,6 +122,11 @@ class MeasuredProblem:
         """Which values sit on the upper end (1) or the lower one (-1) of a sensor's range: array (values,)."""
         return np.concatenate([t.clipped * np.ones(t.count, int) for t in self.targets])
 
+    @property
+    def known(self) -> Any:
+        """1, or 0 for values of forces that a delay brings from where no motion is recorded: array (values,)."""
+        return np.concatenate([t.known * np.ones(t.count) for t in self.targets])
+
     def unclipped(self, residuals: Array) -> Any:
         """Which values are measured themselves and, by the model, would be with any noise; array (values,) of bool.
 
@@ -226,14 +231,14 @@ class MeasuredProblem:
         """(model - measured) / sigma of the least and the greatest values; of clipped samples `tail`."""
         met = self._met(ends)
         y, sigma, clipped = (each if met.ndim == 1 else each[:, None] for each in (self.y, self.sigma, self.clipped))
-        deviation = (met - y) / sigma
+        deviation = (met - y) / sigma * (self.known if met.ndim == 1 else self.known[:, None])
         return np.where(clipped == 0, deviation, -clipped * tail(clipped * deviation)) if clipped.any() else deviation
 
     def _counting(self, ends: tuple[Any, Any]) -> Any:
         """By how much residuals rise for each standard deviation of what is met: 1, and less for clipped samples; array (values,)."""
         clipped = self.clipped
         beyond = clipped * (self._met(ends) - self.y) / self.sigma
-        return np.where(clipped == 0, 1.0, tail_slope(beyond)) if clipped.any() else np.ones(len(clipped))
+        return self.known * (np.where(clipped == 0, 1.0, tail_slope(beyond)) if clipped.any() else 1.0)
 
     def modelled(self, point: Array) -> tuple[Any, Any] | None:
         """Least and greatest values that the model gives before any sensor; the last few points are remembered."""
@@ -380,10 +385,8 @@ class MeasuredProblem:
     def lagging(self, point: Array) -> MeasuredProblem:
         """The same fit where what is open about jumps of a force is late by the delays of a point."""
         late = {i: float(point[k]) for k in self.delays for i in self.numbers[k - self.first].records}
-        if all(self.targets[i].lag == lag or not self.targets[i].rigid for i, lag in late.items()):
-            return self
-        targets = tuple(t.late(late[i]) if i in late else t for i, t in enumerate(self.targets))
-        return self._like(dataclasses.replace(self.model, targets=targets))
+        targets = tuple(t.late(late[i]) if late.get(i, t.lag) != t.lag else t for i, t in enumerate(self.targets))
+        return self if targets == self.targets else self._like(dataclasses.replace(self.model, targets=targets))
 
     def linear(self, h: tuple[Any, Any], whole: Any) -> tuple[Any, float]:
         """The numbers of the sensors that fit best to what a model gives, those that act in proportion; and the sum of squares then."""

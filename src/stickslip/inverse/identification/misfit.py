@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.contracts import Array
-from stickslip.inverse.identification.covariance import information_of
+from stickslip.inverse.identification.covariance import information_of, still_promised
 from stickslip.inverse.identification.structure import Structure, structures
 
 _LARGE, _SURE = 1.15, 5.0  # times the given noise, and standard errors of its square, beyond which it explains no residuals
@@ -33,11 +33,15 @@ class Misfit:
     factor : float
         By how much errors are larger besides that, because residuals are larger than the noise that was given, or a number is far off what
         was known of it.
+    promised : float
+        By how many squares of the noise the sum of squares would still fall, by the derivatives where the search ended; 0 at a minimum. The
+        step that they promise is a direction too.
     """
 
     said: tuple[str, ...]
     columns: Any
     factor: float = 1.0
+    promised: float = 0.0
 
     @property
     def is_none(self) -> bool:
@@ -52,12 +56,14 @@ def misfit_of(problem: Any, minimum: Any, changes: Any) -> Misfit:
     left = None if changes is None else changes - minimum.jacobian[:count] @ (inverse @ changes)
     parts = (problem.parts(each) for each in (np.arange(count), residuals, problem.unclipped(residuals)))
     said, columns, factor = [], [np.zeros((count, 0))], _off_what_is_known(problem, minimum.point)
+    promised = still_promised(problem, minimum)
+    columns += [residuals[:, None]] if promised else []
     for target, rows, rest, which in zip(problem.targets, *parts, strict=True):
         tested = [] if np.ndim(problem.rows) else structures(target, rest, which, None if left is None else left[rows])
         said.append(tested[0].said if tested else "")
         columns += [_column(one, rows, count, minimum.jacobian[:count], inverse) for one in tested]
-        factor = max(factor, _too_large(target, rest[which]))
-    return Misfit(tuple(said), np.concatenate(columns, axis=1), factor)
+        factor = max(factor, _too_large(target, rest[which], problem.sigma[rows][which]))
+    return Misfit(tuple(said), np.concatenate(columns, axis=1), factor, promised)
 
 
 def _column(one: Structure, rows: Any, count: int, jacobian: Any, inverse: Any) -> Any:
@@ -68,10 +74,12 @@ def _column(one: Structure, rows: Any, count: int, jacobian: Any, inverse: Any) 
     return whole * np.sqrt(one.power / max(float(visible), _LEAST_SEEN))
 
 
-def _too_large(target: Any, rest: Array) -> float:
-    """How many times the noise that was given for a record is left of it; 1 where that may be noise."""
-    if not target.given_sigma or target.kind == "mean" or len(rest) < 2:
+def _too_large(target: Any, rest: Array, sigma: Array) -> float:
+    """How many times the noise that was given for a record, or that it shows by itself, is left of it; 1 where that may be noise."""
+    if target.kind == "mean" or len(rest) < 2:
         return 1.0
+    if not target.given_sigma:
+        rest = rest * sigma / target.most_noise
     square = float(np.mean(rest**2))
     return float(np.sqrt(square)) if square > max(_LARGE**2, 1 + _SURE * np.sqrt(2 / len(rest))) else 1.0
 

@@ -34,7 +34,7 @@ _LOOKED = 6  # repetitions that tell the noise of a position
 _BLURRED = 3.0  # standard errors of the position within which a flank of a play is reached
 _SMEARED = 0.03  # of the range of a motion, over which a play closes in a search
 _LONGEST, _OF_A_STROKE = 0.02, 0.125  # delay that is looked for, where steps are short: that [s], and no more than so much of a stroke
-_OF_A_RECORD = 0.05  # which at most is left out at either end beside a delay
+_ENDS = 0.5  # by how many times itself a delay may be longer for what it brings from an end
 _REPEATS = 0.1  # by which part of its own spread the motion may differ from one period to the next
 
 
@@ -82,7 +82,7 @@ class PrescribedMotion(Compared):
     smear: float = 0.0  # way over which it closes, in a search
     timeless: bool = False  # a table of constant speeds: v is that of each row
     rigid: bool = False  # whether the force jumps where the motion turns, because the law has no inner states
-    lag: float = 0.0  # delay of the force about which such jumps are left open [s]
+    lag: float = 0.0  # delay of the force about which such jumps, and the values at an end that it brings from elsewhere, are left open [s]
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "weights", np.broadcast_to(self.weights, np.shape(self.t)))
@@ -161,19 +161,19 @@ class PrescribedMotion(Compared):
         """How many values beside jumps of the force are left open."""
         return int(np.sum(self._strokes.open >= 0)) if self.rigid else 0
 
-    def without_ends(self, late: float) -> PrescribedMotion:
-        """The same without the values at either end that a delay of so much may bring from where no motion is recorded."""
-        late = min(late, _OF_A_RECORD * float(self.t[-1] - self.t[self.before]))
-        inside = (self.t > self.t[self.before] + late) & (self.t < self.t[-1] - late)
-        return dataclasses.replace(self, weights=np.where(inside, self.weights, 0.0))
-
     def late(self, lag: float) -> PrescribedMotion:
-        """The same where the jumps of the force are late by so much."""
-        return dataclasses.replace(self, lag=lag) if self.rigid else self
+        """The same where the force is late by about so much."""
+        return dataclasses.replace(self, lag=lag)
+
+    @property
+    def known(self) -> Any:
+        """1, or 0 for values that a delay brings from before the motion was recorded, or from after that: array (values,)."""
+        t, least = self.time, _ENDS * abs(self.lag)
+        return np.where((t - t[0] < self.lag + least) | (t - t[-1] > self.lag - least), 0.0, 1.0) if self.lag else 1.0
 
     def delayed(self, h: Array, delay: float) -> Any:
         """Values a little later: of a force that jumps where the motion turns those within the strokes, and what is open between them."""
-        return self._strokes.delayed(h, delay) if self.rigid else super().delayed(h, delay)
+        return self._strokes.delayed(h, delay) if self.rigid else strokes.later(self.time, h, delay)
 
     def delay_slope(self, h: Array, delay: float) -> Any:
         """The change of delayed values with time, of a force that jumps within strokes [1/s]."""

@@ -99,6 +99,8 @@ def quality(fit: Fit) -> tuple[Quality, ...]:
         r2 = 1 - square / spread if len(y) > 1 and spread > 0 else float("nan")
         noise = float(getattr(target, "sigma", float("nan")))
         known = target.kind in ("velocity", "position") or target.given_sigma
+        if not known and np.isfinite(target.most_noise):
+            known, noise = True, target.most_noise
         periodic = target.kind == "velocity" and not target.transient and target.phase[-1] > 2 * target.period
         order = np.argsort(np.mod(target.phase, target.period), kind="stable") if target.kind == "velocity" else np.arange(len(rest))
         known_ones, in_phase = rest[exact], rest[order][exact[order]]

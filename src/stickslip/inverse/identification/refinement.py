@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.phrases import listed
-from stickslip.inverse.identification.covariance import information_of, neighbours, noise_scale, noise_sizes, with_noise_of
+from stickslip.inverse.identification.covariance import information_of, neighbours, noise_scale, noise_sizes, still_promised, with_noise_of
 from stickslip.inverse.identification.delays import delayed_best
 from stickslip.inverse.identification.least_squares import MeasuredProblem
 from stickslip.inverse.identification.search import SearchEnd, polished
@@ -17,6 +17,7 @@ from stickslip.inverse.identification.weighting import robust_weights
 _SHAPED = 0.9  # correlation of neighbouring residuals of a force above which they are not noise, of any colour
 _MAKES_UP = 2.0  # how many times what is left by a fit with the sensor may be left by one without it, of a force with a shape left
 _NOTHING = 0.1  # of the square of one residual that is noise: by as much the sum of squares may rise where a number is undetermined
+_AGAIN = 4  # times that steps go on where they ended before a minimum
 _ROUNDS = 4  # times that the noise is found anew
 _WEIGHINGS, _STEADY = 12, 0.01  # times that weights of a robust loss are found anew, and by how much they may still differ
 
@@ -33,7 +34,19 @@ def finished(problem: MeasuredProblem, rough: SearchEnd) -> tuple[MeasuredProble
         if best.stopped or with_noise is problem:
             break
         problem, best = with_noise, polished(with_noise, best.point)
-    return problem, best
+    return problem, _gone_on(problem, best)
+
+
+def _gone_on(problem: MeasuredProblem, best: SearchEnd) -> SearchEnd:
+    """Steps from where a search ended before a minimum, as long as they lead on."""
+    for _ in range(_AGAIN):
+        if best.stopped or not still_promised(problem, best):
+            break
+        again = polished(problem, best.point)
+        if again.cost > best.cost - _NOTHING * noise_scale(problem, best) ** 2:
+            break
+        best = again
+    return best
 
 
 def held_back(weigh: Any, problem: MeasuredProblem, best: SearchEnd) -> tuple[MeasuredProblem, SearchEnd]:

@@ -36,6 +36,19 @@ def turning(sides: Array) -> Any:
     return which
 
 
+def later(t: Array, h: Array, delay: float) -> Any:
+    """Values a little later; between them, and before the first and after the last one, they change evenly.
+
+    Examples
+    --------
+    >>> later(np.arange(4.0), np.array([0.0, 1.0, 2.0, 2.0]), 0.5).tolist()
+    [-0.5, 0.5, 1.5, 2.0]
+    """
+    at = t - delay
+    left = np.clip(np.searchsorted(t, at, side="right") - 1, 0, len(t) - 2)
+    return h[left] + (h[left + 1] - h[left]) * (at - t[left]) / (t[left + 1] - t[left])
+
+
 class Strokes:
     """Values over strokes, some of them later than the motion.
 
@@ -56,7 +69,7 @@ class Strokes:
 
     >>> made = Strokes(np.arange(7.0), np.array([1, 1, 1, -1, -1, -1, -1]), 0.5, 1.0)
     >>> made.delayed(np.array([0.0, 1.0, -9.0, -9.0, -2.0, -3.0, -4.0]), 0.5).tolist()
-    [0.0, 0.5, -9.0, -9.0, -9.0, -2.5, -3.5]
+    [-0.5, 0.5, -9.0, -9.0, -9.0, -2.5, -3.5]
     """
 
     def __init__(self, t: Array, sides: Array, lag: float, step: float):
@@ -90,5 +103,4 @@ class Strokes:
         if len(self.runs):
             left = np.where(run < 0, left, np.where(at < self.middle[run], self.before[run], self.after[run]))
         part = (at - t[left]) / (t[left + 1] - t[left])
-        inside = (at >= t[0]) & (at <= t[-1])
-        return left, np.where(inside, np.clip(part, -2.0, 3.0), np.clip(part, 0.0, 1.0))
+        return left, np.where(run < 0, part, np.clip(part, -2.0, 3.0))

@@ -45,7 +45,7 @@ class Compared:
     within: float = 0.0
     in_play: bool = False
     lag: float = 0.0
-    rigid: bool = False
+    known: Any = 1.0
     timeless: bool = False  # whether its values are rows of a table, of which nobody knows when they were taken
     clipped: Any = 0  # which values sit on the upper end (1), or the lower one (-1), of the range of their sensor
 
@@ -85,6 +85,11 @@ class Compared:
     def step(self) -> float:
         """Usual time between samples [s]."""
         return float(np.median(np.diff(self.time)))
+
+    @property
+    def most_noise(self) -> float:
+        """The most that the noise of a value can be, as the record shows it by itself; infinite where it does not."""
+        return float("inf")
 
     @property
     def left_open(self) -> int:
