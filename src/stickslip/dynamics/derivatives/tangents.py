@@ -5,7 +5,6 @@ They are passive states of the system itself (`stickslip.engine.tangent`), a lan
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -59,7 +58,7 @@ class Changes:
     integral_changes: Any = ()
 
 
-@dataclass(frozen=True, eq=False)
+@sealed
 class Directions:
     """Along what small changes are followed besides the start, and how.
 
@@ -93,7 +92,10 @@ class Directions:
     more: dict[str, Array] | None = None
 
 
-def changes_along(model: Model, states: Array, starts: Array, periods: int = 1, how: Directions = Directions()) -> Changes:
+OF_START = Directions()  # changes of the start alone
+
+
+def changes_along(model: Model, states: Array, starts: Array, periods: int = 1, how: Directions = OF_START) -> Changes:
     """Follow small changes of the start and of the model's numbers for some drive periods.
 
     Parameters
@@ -131,7 +133,7 @@ class Follower:
         Of the model, where they are known.
     """
 
-    def __init__(self, model: Model, cases: int, how: Directions = Directions(), at: Coordinates | None = None):
+    def __init__(self, model: Model, cases: int, how: Directions = OF_START, at: Coordinates | None = None):
         self.model, self.at, self.given = model, coordinates(model) if at is None else at, how.numbers or {}
         tableau, self.tolerance = map_method(model, how.rtol)
         self.is_exact = tableau is None
