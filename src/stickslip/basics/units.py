@@ -152,7 +152,7 @@ def unit_of_heading(text: str) -> tuple[str, str | None]:
         match = re.fullmatch(pattern, text)
         if match and unit_named(match[2]) is not None:
             return match[1].strip(), match[2].strip()
-    return text, _at_the_end(text)
+    return text, parted_name(text)[1]
 
 
 #: Units with which a name may end after a stroke below, as robots' logs have them. Words that are ends of other names too (min, in, g, pm)
@@ -192,14 +192,20 @@ _LETTERS = {
 }  # fmt: skip
 
 
-def _at_the_end(name: str) -> str | None:
-    """The unit with which a name such as pos_deg, F_N or v_mm_s ends; None if it ends with none without doubt."""
+def parted_name(name: str) -> tuple[str, str | None]:
+    """A name such as pos_deg, F_N or v_mm_s as what stands before its unit, and the unit; None if it ends with none without doubt.
+
+    Examples
+    --------
+    >>> parted_name("cmd_deg"), parted_name("v_mm_s"), parted_name("v_min")
+    (('cmd', 'deg'), ('v', 'mm/s'), ('v_min', None))
+    """
     words = name.split("_")
     for count in (3, 2, 1):
         head, tail = "_".join(words[:-count]), "_".join(words[-count:])
         unit = tail.replace("_per_", "/").replace("_", "/")
         if head and unit in _ENDS and unit_named(unit) is not None:
-            return unit
+            return head, unit
         if head and unit in _LETTERS and re.fullmatch(_LETTERS[unit], head, re.I):
-            return unit
-    return None
+            return head, unit
+    return name, None

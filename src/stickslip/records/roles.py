@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.units import quantity_of, unit_named
+from stickslip.basics.units import parted_name, quantity_of, unit_named
 from stickslip.records.candidates import candidate_unit, typed_units
 from stickslip.records.channel import MEASURED, UNUSED, Channel
 from stickslip.records.overview import clipped, dead_zone, runs_of
@@ -22,7 +22,8 @@ _ROLE_WORDS = (
     (r"drive.*|relative velocity|xi_rate", "drive"),
     (r"friction.*|force|kraft|torque|drehmoment", "force"),
     (r"weights?", "weight"),
-    (r"(command|goal|target|set_?point|desired|commanded|soll)([ _](position|pos|angle|q))?|q_(cmd|des|ref|target)", "command"),
+    (r"(command|cmd|goal|target|set_?point|desired|commanded|soll)([ _](position|pos|angle|q))?", "command"),
+    (r"(q|pos|position|angle)_(cmd|des|ref|target|soll)", "command"),
     (r"v|velocity|vel|geschwindigkeit", "velocity"),
     (r"x|position|pos|displacement|weg|angle|winkel", "position"),
 )
@@ -52,9 +53,9 @@ def _role_and_why(c: RawColumn) -> tuple[str | None, bool]:
     """The role of a channel, and whether its name (or the file) determines it."""
     if c.role is not None:
         return c.role or None, True
-    quantity = quantity_of(c.unit)
+    quantity, name = quantity_of(c.unit), parted_name(c.name)[0]
     for pattern, role in _ROLE_WORDS:
-        if re.fullmatch(pattern, c.name, re.I) and (quantity is None or quantity in MEASURED[role]):
+        if re.fullmatch(pattern, name, re.I) and (quantity is None or quantity in MEASURED[role]):
             return role, True
     return _BY_UNIT.get(quantity or ""), False
 

@@ -10,6 +10,7 @@ import pytest
 import stickslip as ss
 from rows import each_row
 from stickslip.inverse.logs.kinds import kinds_for
+from stickslip.inverse.logs.plan import plan_of
 from stickslip.records.candidates import candidate_unit
 
 _COUNT = 2 * np.pi / 4096
@@ -259,3 +260,53 @@ def test_a_level_robot_whose_friction_differs_by_direction_is_fitted_with_both_c
     assert "incline='gravity'" in result.python and "friction.mu_minus" in result.python
     with pytest.raises(ss.InputError, match="amplitude differ from file to file"):
         ss.fit([log, log], law="coulomb", numbers=numbers | {"amplitude": [4e-4, 5e-4]}, asymmetric=True)
+    one = ss.fit(log, law="coulomb", numbers=numbers, starts=2)
+    assert not one.supported and "on a level track it is their difference that moves a robot" in one.report()
+
+
+def test_numbers_may_have_units_and_those_that_measure_something_else_are_refused():
+    t = np.arange(0.0, 1.0, 1e-3)
+    rec = ss.read({"t_s": t, "v_mm_s": np.sin(250.0 * t)})
+    typed = {"amplitude": "0.8 mm", "tilt_deg": "0.02 rad", "body_mass": "80 g", "inner_mass": 0.02}
+    given = plan_of([rec], {}, {}, None, typed).given
+    assert given == pytest.approx({"amplitude": 8e-4, "tilt_deg": np.degrees(0.02), "body_mass": 0.08, "inner_mass": 0.02}, rel=1e-14)
+    with pytest.raises(ss.InputError, match="body_mass: m is a unit of position"):
+        plan_of([rec], {}, {}, None, typed | {"body_mass": "80 m"})
+    assert "body_mass and inner_mass [kg] are those of the paper's robot" in plan_of([rec], {}, {}, None, {}).problem
+
+
+def test_a_command_is_known_by_its_name_and_alone_with_an_angle_it_is_no_log_of_friction():
+    t = np.arange(0.0, 1.0, 1e-2)
+    log = {"time_ms": 1e3 * t, "pos_deg": np.sin(t), "cmd_deg": np.sin(t)}
+    rec = ss.read(log)
+    assert rec["command"].name == "cmd_deg" and rec["position"].name == "pos_deg"
+    assert "unless the controller's gains are known" in plan_of([rec], {}, {}, None, {}).problem
+    assert plan_of([ss.read(log | {"cur_mA": np.cos(t)})], {}, {}, None, {}).kind.name == "joint"
+
+
+def test_a_law_of_a_fitted_log_is_exported_and_refused_in_amperes():
+    log = read_joint()
+    known = ss.fit(log, law="coulomb-viscous", numbers={"motor_constant": 0.5, "gravity_torque": 0.0}, starts=2)
+    joint = ss.export_law(known, "mujoco", speeds=(0.1, 3.0))
+    assert joint.numbers["frictionloss"] == pytest.approx(known.values["friction.mu"], rel=1e-9)
+    assert joint.numbers["damping"] == pytest.approx(known.values["friction.viscous"], rel=1e-6)
+    with pytest.raises(ss.InputError, match="are in amperes"):
+        ss.export_law(ss.fit(log, law="coulomb-viscous", numbers={"gravity_torque": 0.0}, starts=2), "c")
+
+
+def read_joint():
+    """A log of a current and an angle, of a joint of 0.02 kg m^2 with friction of 0.1 N m and 0.03 N m s/rad at 0.5 N m/A."""
+    t = np.arange(0.0, 5.0, 0.005)
+    sines = ((0.8, 2.0, 0.3), (0.3, 5.0, 1.0))
+    q, v = (sum(f(s, w, p)(t) for s, w, p in sines) for f in (_sine, _slope))
+    a = -sum(w**2 * _sine(s, w, p)(t) for s, w, p in sines)
+    current = (0.02 * a + 0.1 * np.sign(v) + 0.03 * v) / 0.5
+    return {"time_ms": 1e3 * t, "pos_deg": np.degrees(q), "cur_mA": 1e3 * (current + np.random.default_rng(2).normal(0, 5e-3, len(t)))}
+
+
+def _sine(size, omega, phase):
+    return lambda t: size * np.sin(omega * t + phase)
+
+
+def _slope(size, omega, phase):
+    return lambda t: size * omega * np.cos(omega * t + phase)

@@ -163,7 +163,7 @@ def test_robots_of_several_files_have_their_own_amplitudes():
 
 @each_row(
     "wish",
-    [None, [], {"units": []}, {"units": {"a": 1}}, {"numbers": {"a": "1"}}, {"numbers": {"a": True}}, {"law": ["lugre"]},
+    [None, [], {"units": []}, {"units": {"a": 1}}, {"numbers": {"a": 300 * "1"}}, {"numbers": {"a": True}}, {"law": ["lugre"]},
          {"machine": 300 * "a"},
      {"roles": {f"c{k}": "force" for k in range(100)}}, {"numbers": {"a": []}}, {"files": [["a.csv"]]}, {"files": [["a.csv", -1]]},
      {"files": 40 * [["a.csv", 0]]}, {"files": "a.csv"}],

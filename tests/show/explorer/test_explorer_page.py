@@ -328,6 +328,25 @@ def test_the_robot_moves_where_motion_is_welcome_until_it_is_paused(browser, exp
     page.context.close()
 
 
+def test_what_is_typed_in_the_fields_of_a_log_stays_while_it_is_read_again_and_sliders_fill_them(page, tmp_path):
+    t = np.arange(0.0, 1.0, 1e-3)
+    (tmp_path / "a.csv").write_text("t [s],v [mm/s]\n" + "\n".join(f"{a:.4f},{b:.5f}" for a, b in zip(t, np.sin(250.0 * t), strict=True)))
+    page.open()
+    page.page.locator("#fit-file").set_input_files(tmp_path / "a.csv")
+    fields = page.page.locator("#fit-numbers input")
+    fields.first.click()
+    for text in ("0.8 mm", "0", "", "80 g", "20"):
+        page.page.keyboard.type(text, delay=30)
+        page.page.keyboard.press("Tab")
+    page.page.locator("#fit-said[data-state=wait]").wait_for(state="attached")
+    assert [fields.nth(k).input_value() for k in range(5)] == ["0.8 mm", "0", "", "80 g", "20"]
+    assert page.page.locator("#fit-numbers input[aria-invalid]").count() == 0
+    page.page.locator("#fit-sliders").click()
+    own = [float(page.page.locator(f"input[name={name}]").input_value()) for name in ("amplitude", "tilt_deg")]
+    assert [float(fields.nth(k).input_value()) for k in range(2)] == pytest.approx(own, rel=1e-2)
+    assert not page.errors
+
+
 def test_a_dropped_record_is_drawn_with_its_mean(page, tmp_path):
     page.open()
     run = ss.solve(State(law="coulomb").robot(), periods=20)

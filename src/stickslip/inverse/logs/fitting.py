@@ -52,7 +52,7 @@ def fit(
         One law instead of a comparison: "coulomb", "coulomb-viscous", "stribeck", "dahl" or "lugre"; of a robot "coulomb",
         "coulomb-static" or "lugre".
     numbers : dict, optional
-        What is known of the machine, in SI units: ``{"load": 20.0}``, ``{"amplitude": 5e-4, "tilt_deg": 1.7}``,
+        What is known of the machine, in SI units or with a unit: ``{"load": 20.0}``, ``{"amplitude": "0.5 mm", "tilt_deg": 1.7}``,
         ``{"motor_constant": 0.05}``; of shaken robots a list has one for each file: ``{"amplitude": [5e-4, 8e-4], "tilt_deg": 1.7}``.
     asymmetric : bool
         A coefficient for each direction.
@@ -124,6 +124,7 @@ def fit_plan(
     sides = "a coefficient for each direction" if asymmetric else "one coefficient for both directions"
     proposals.append(Proposal("symmetry", sides, "typed" if asymmetric else "unless asked", "" if asymmetric else "--asymmetric"))
     chosen = fits[best]
+    questions += [kind.doubt(given)] if faults(chosen) and not asymmetric and kind.doubt(given) else []
     notes = tuple(
         dict.fromkeys(f"{'' if len(records) == 1 else f'record {i}: '}{note}" for i, rec in enumerate(records) for note in rec.notes)
     )

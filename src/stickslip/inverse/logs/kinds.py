@@ -21,6 +21,13 @@ def kinds_for(records: Sequence[Record]) -> dict[str, tuple[Kind, str]]:
     return {name: (kind, str(why[0])) for name, (kind, why) in reasons.items() if all(why)}
 
 
+def kinds_but_for_times(records: Sequence[Record]) -> list[Kind]:
+    """The kinds that records without times would be of if they had them."""
+    if any(map(over_time, records)):
+        return []
+    return [kind for kind in KINDS if kind.timed and all(kind.suits(rec) for rec in records)]
+
+
 def kind_named(name: str) -> Kind:
     """The kind of a name that was typed."""
     known = {kind.name: kind for kind in KINDS}

@@ -121,6 +121,13 @@ class LogFit(Face):
         """Whether torques are over a motor constant that nobody gave, and so in amperes."""
         return any(p.what == "motor_constant" and p.why != "typed" for p in self.proposals)
 
+    def model(self) -> Any:
+        """The machine with the fitted numbers, as `Fit.model` gives it; `InputError` where its torques are in amperes."""
+        if self.in_amperes:
+            known = 'type numbers={"motor_constant": 0.05} with that of the motor [N m/A]'
+            raise InputError("fit", [f"the torques of this fit are in amperes; {known}, or take result.fit, where N m stands for A"])
+        return self.fit.model()
+
     @cached_property
     def python(self) -> str:
         """The script that makes the same fit, with the same numbers."""

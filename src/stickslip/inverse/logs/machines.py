@@ -94,6 +94,10 @@ class Kind(ABC):
         """Numbers that nobody gave: name -> (value in words, why)."""
         return {}
 
+    def doubt(self, given: dict[str, Any]) -> str:
+        """What may be wrong where no law with one coefficient for both directions is supported, with what to type; mostly nothing."""
+        return ""
+
     @abstractmethod
     def task(self, records: Sequence[Record], law: str, given: dict[str, Any], asymmetric: bool) -> Task:
         """How a law is fitted."""
@@ -273,6 +277,13 @@ class Shaken(Kind):
     _free: ClassVar[dict[str, tuple[Any, ...]]] = {"mu0": (0.01, 1.0), "f0": (0.01, 1.5), "v_s": (1e-4, 0.1, "log")}
     _of: ClassVar[dict[str, tuple[str, ...]]] = {"coulomb": ("mu0",), "coulomb-static": ("mu0", "f0"), "lugre": ("mu0", "f0", "v_s")}
 
+    def lacks(self, records: Sequence[Record], given: dict[str, Any]) -> str:
+        """What has to be typed, in a sentence; empty where nothing is missing."""
+        lacking, masses = super().lacks(records, given), [name for name in ("body_mass", "inner_mass") if name not in given]
+        if not lacking or not masses:
+            return lacking
+        return f"{lacking}; {' and '.join(masses)} [kg] {'is that' if len(masses) == 1 else 'are those'} of the paper's robot unless given"
+
     def suits(self, rec: Record) -> str:
         """What of a record speaks for it; empty where something is missing."""
         motion = _moves(rec, "velocity", "position")
@@ -285,6 +296,13 @@ class Shaken(Kind):
         assumed = {"frequency": (", ".join(dict.fromkeys(lines)), "the line of the record")} if lines else {}
         defaults = {name: p.default for name, p in inspect.signature(piezo_rig).parameters.items()}
         return assumed | {name: (f"{defaults[name]:g} kg", "that of the paper's robot; type yours") for name in ("body_mass", "inner_mass")}
+
+    def doubt(self, given: dict[str, Any]) -> str:
+        """On a level track a robot gets ahead by a difference of the directions."""
+        level = np.all(np.asarray(given.get("tilt_deg", 0.0)) == 0.0)
+        return (
+            "asymmetric=True, a coefficient for each direction: on a level track it is their difference that moves a robot" if level else ""
+        )
 
     def _frequency(self, rec: Record) -> float:
         return float(rec.drive_frequency().value)

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.basics.phrases import counted
-from stickslip.inverse.logs.kinds import kind_named, kinds_for
+from stickslip.basics.typed_numbers import in_unit
+from stickslip.inverse.logs.kinds import kind_named, kinds_but_for_times, kinds_for
 from stickslip.inverse.logs.machines import Kind
 from stickslip.inverse.logs.proposals import Proposal, missing_units, of_channels, table
 from stickslip.records.candidates import candidate_unit, typed_units, without_unit
@@ -18,7 +19,12 @@ if TYPE_CHECKING:
 
 _WANTED = (
     "a force over a position or velocity, a torque or a current over an angle, a velocity over time, or a table of forces over speeds"
-    " or of mean speeds over amplitude and frequency (a command and an angle alone are not fitted: log the torque or the current too)"
+    " or of mean speeds over amplitude and frequency"
+)
+_COMMANDED = (
+    "a command and an angle without a torque or a current say nothing about friction unless the controller's gains are known: "
+    "ss.identify(record, ss.Joint(..., control=ss.machines.PID(kp=..., ki=..., kd=..., target=0.0)), free={...}) in Python fits them, as "
+    'in "Command and angle only" on the page docs/servo.md; with a torque or a current in the log stickslip fit does'
 )
 
 
@@ -82,6 +88,8 @@ def plan_of(records: Sequence[Record], units: dict[str, str], roles: dict[str, s
     ('rig', 'a force beside a position', '')
     >>> plan_of([read({"time_s": [0.0, 0.1], "v_mm_s": [1.0, 2.0]})], {}, {}, None, {}).problem[:34]
     'amplitude and tilt_deg are missing'
+    >>> plan_of([read({"pos_mm": [0.0, 1.0], "F_N": [1.0, 2.0]})], {}, {}, None, {}).problem
+    'the file has no times, and looks like a friction rig, whose motion needs them; type rate=1000.0 with the samples per second'
     """
     channels = tuple(dict.fromkeys(line for rec in records for line in of_channels(rec, units, roles)))
     possible = kinds_for(records)
@@ -96,11 +104,21 @@ def plan_of(records: Sequence[Record], units: dict[str, str], roles: dict[str, s
             suits = f"it suits {', '.join(able)}" if able else "it suits none"
             problem = problem or f"machine = {machine!r} needs other channels than these: {suits}"
     if kind is None:
-        problem = problem or f'no machine suits the file: it needs {_WANTED}; type roles={{"...": "force"}} where a channel is one'
+        problem = problem or _unsuited(records)
     elif not problem:
-        _check_numbers(kind, given, len(records))
+        given = _checked_numbers(kind, given, len(records))
         problem = kind.lacks(records, given)
     return Plan(tuple(records), channels, given, kind, why, able, problem)
+
+
+def _unsuited(records: Sequence[Record]) -> str:
+    """Why no machine suits some records, and what to type."""
+    if timed := kinds_but_for_times(records):
+        what = timed[0].words.partition(":")[0]
+        return f"the file has no times, and looks like {what}, whose motion needs them; type rate=1000.0 with the samples per second"
+    if all("command" in rec and "position" in rec for rec in records):
+        return _COMMANDED
+    return f'no machine suits the file: it needs {_WANTED}; type roles={{"...": "force"}} where a channel is one'
 
 
 def _bare(records: Sequence[Record], suits: bool) -> str:
@@ -112,10 +130,17 @@ def _bare(records: Sequence[Record], suits: bool) -> str:
     return f"units are missing; type {typed_units(bare)} with the right ones" if bare else ""
 
 
-def _check_numbers(kind: Kind, given: dict[str, Any], files: int) -> None:
+def _checked_numbers(kind: Kind, typed: dict[str, Any], files: int) -> dict[str, Any]:
+    """Numbers as they were typed, those with a unit in the one of the machine; `InputError` with all that is wrong with them."""
     problems = Problems("fit")
-    for name, value in given.items():
+    given = dict(typed)
+    for name, value in typed.items():
         many = isinstance(value, (list, tuple))
+        try:
+            given[name] = value = in_unit(value, _unit_of(kind.takes.get(name, "")))
+        except ValueError as error:
+            problems.add(f"{name}: {error}; type for example {name}=1.0")
+            continue
         if name not in kind.takes:
             able = ", ".join(f"{known} ({words})" for known, words in kind.takes.items())
             problems.add(f"numbers names {name!r}; {did_you_mean(name, kind.takes)}; a {kind.name} takes {able}")
@@ -129,3 +154,9 @@ def _check_numbers(kind: Kind, given: dict[str, Any], files: int) -> None:
         elif not all(isinstance(each, (int, float)) and not isinstance(each, bool) for each in (value if many else [value])):
             problems.add(f"{name} = {value!r} is not a number; type for example {name}=1.0")
     problems.check()
+    return given
+
+
+def _unit_of(words: str) -> str:
+    """The unit in the words of a number: what stands in brackets."""
+    return words.rpartition("[")[2].partition("]")[0] if "[" in words else "1"

@@ -109,7 +109,7 @@ def _places(robot: Any) -> Iterator[tuple[str, str, Values]]:
         contacts = [("isotropic", {"mu0": c["mu_plus"], "f0": c["f_plus"]}), ("anisotropic", c)]
     if isinstance(track, Level):
         yield from (("level", name, values) for name, values in contacts[:1])
-        if c and (tilt := 0.5 * (c["mu_minus"] - c["mu_plus"])) and abs(tilt) <= math.sin(math.radians(_STEEPEST)):
+        if c and float(track.folded) and (tilt := 0.5 * (c["mu_minus"] - c["mu_plus"])) and abs(tilt) <= math.sin(math.radians(_STEEPEST)):
             across = math.sqrt(1.0 - tilt * tilt)
             folded = {"mu0": 0.5 * (c["mu_plus"] + c["mu_minus"]) / across, "f0": 0.5 * (c["f_plus"] + c["f_minus"]) / across}
             yield "folded", "isotropic", {"tilt_deg": math.degrees(math.asin(tilt)), **folded}

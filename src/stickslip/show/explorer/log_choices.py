@@ -20,8 +20,8 @@ class Choices:
     Parameters
     ----------
     units, roles : dict of str -> str
-    numbers : dict of str -> float, or list of float
-        [SI]; a list has one for each file.
+    numbers : dict of str -> float or str, or list of them
+        [SI], or with a unit, such as "0.4 mm"; a list has one for each file.
     machine, law : str or None
         None to have them proposed.
     asymmetric : bool
@@ -31,7 +31,7 @@ class Choices:
 
     units: dict[str, str] = field(default_factory=dict)
     roles: dict[str, str] = field(default_factory=dict)
-    numbers: dict[str, float | list[float]] = field(default_factory=dict)
+    numbers: dict[str, float | str | list[float | str]] = field(default_factory=dict)
     machine: str | None = None
     law: str | None = None
     asymmetric: bool = False
@@ -76,7 +76,7 @@ def choices_of(wish: Any) -> Choices:
     if not (isinstance(files, list) and len(files) <= _FILES and all(map(_is_file, files))):
         problems.add(f"at most {_FILES} files are fitted together; join them, or fit them with stickslip fit FILE FILE")
     problems.check()
-    numbers = {name: [*map(float, value)] if isinstance(value, list) else float(value) for name, value in tables["numbers"].items()}
+    numbers = {name: [*map(_plain, value)] if isinstance(value, list) else _plain(value) for name, value in tables["numbers"].items()}
     return Choices(
         tables["units"], tables["roles"], numbers, words["machine"], words["law"], bool(wish.get("asymmetric")),
         tuple((name, size) for name, size in files),
@@ -88,9 +88,13 @@ def _is_word(value: Any) -> bool:
 
 
 def _is_number(value: Any) -> bool:
-    """Whether a value is a number, or a number for each file."""
+    """Whether a value is a number, which may be text with a unit, or one for each file."""
     each = value if isinstance(value, list) and 0 < len(value) <= _FILES else [value]
-    return all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in each)
+    return all((isinstance(v, (int, float)) and not isinstance(v, bool)) or (isinstance(v, str) and len(v) <= _LENGTH) for v in each)
+
+
+def _plain(value: float | str) -> float | str:
+    return value if isinstance(value, str) else float(value)
 
 
 def _is_file(entry: Any) -> bool:

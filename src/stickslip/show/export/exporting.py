@@ -87,7 +87,7 @@ def export_law(
 
     Parameters
     ----------
-    law : law, robot, mechanism or Fit
+    law : law, robot, mechanism, Fit or LogFit
         A law; or a model with one contact or a fit, whose law is taken.
     language : {"c", "matlab", "octave", "toml", "mujoco"}
         C is one C99 file of static functions to include: ``NAME_fitted`` holds the numbers, ``NAME_start`` a fresh state, ``NAME_force``
@@ -101,7 +101,7 @@ def export_law(
         For ``"mujoco"``: load on the contact [N]. By default that of a robot whose load is a number, else 1, for which friction
         coefficients are forces.
     speeds : tuple of float, optional
-        For ``"mujoco"``, where it is required: the range (slowest, fastest) [m/s] over which the joint is fitted to the law.
+        For ``"mujoco"``, where it is required: the range (slowest, fastest) [m/s or rad/s] over which the joint is fitted to the law.
     armature : float, optional
         For ``"mujoco"``: inertia of the rotor as the joint feels it, gear ratio squared times the motor's [kg m^2].
 
@@ -151,7 +151,9 @@ def _check_range(speeds: Any, load: Any, armature: Any, problems: Problems) -> N
     except (TypeError, ValueError):
         good = False
     if not good:
-        problems.add(f"speeds {given}; allowed is a range (slowest, fastest) above zero [m/s]; type for example speeds=(1e-3, 0.1)")
+        problems.add(
+            f"speeds {given}; allowed is a range (slowest, fastest) above zero [m/s or rad/s]; type for example speeds=(1e-3, 0.1)"
+        )
     if load is not None:
         checked_number("load", load, problems, positive, "a positive force [N]", "load=1.0")
     checked_number("armature", armature, problems, at_least(0.0), "zero or more [kg m^2]", "armature=0.01")

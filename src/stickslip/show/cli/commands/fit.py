@@ -23,7 +23,7 @@ _HERE = ("--unit", "--role", "--columns", "--rate", "--scale", "--separator", "-
     more="""\
 example: stickslip fit servo.log --out servo
          stickslip fit rig.csv --unit Kraft=N --unit Weg=mm --set load=20 --law stribeck
-         stickslip fit robot.csv --set amplitude=5e-4 --set tilt_deg=1.7
+         stickslip fit robot.csv --set amplitude=0.5mm --set tilt_deg=0 --set body_mass=60g --set inner_mass=10g --asymmetric
 
 A force over a motion is a friction rig, a torque or a current over an angle a joint, a velocity alone a shaken robot.""",
     arguments=(
@@ -35,7 +35,7 @@ A force over a motion is a friction rig, a torque or a current over an angle a j
             action="append",
             metavar="NAME=VALUE",
             default=[],
-            help="what is known: load=20, amplitude=5e-4; amplitude=5e-4,8e-4 for two files",
+            help="what is known, in SI units or with its unit: load=20, amplitude=0.5mm; amplitude=5e-4,8e-4 for two files",
         ),
         argument("--asymmetric", action="store_true", help="a coefficient for each direction"),
         SENSOR,

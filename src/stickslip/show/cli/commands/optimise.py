@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError
+from stickslip.basics.quantities import also_in
 from stickslip.show.cli import show
 from stickslip.show.cli.arguments import subject
 from stickslip.show.cli.declaring import EXECUTOR, ROBOT, argument, command
@@ -145,6 +146,12 @@ def _as_toml(model: Any) -> str | None:
         return None
 
 
+def _varied(number: float, unit: str) -> str:
+    """A number that varied, and an angular frequency in hertz too, an angle in degrees."""
+    also = also_in(number, unit)
+    return f"{number:.9g} {unit}".rstrip() + (f"  ({also})" if also else "")
+
+
 def _text(record: dict[str, Any], best: Any, written: list[str]) -> str:
     """The record as text."""
     from stickslip.inverse.optimisation.results import unit_of_result
@@ -159,7 +166,7 @@ def _text(record: dict[str, Any], best: Any, written: list[str]) -> str:
             (name, f"{show.quantity_text(best_values[key], unit)}  (was {show.quantity_text(given.get(key, float('nan')), unit)})")
             for name, key, unit in quantities
         ),
-        *((name, f"{number:.9g} {unit_in(name, best.model)}".rstrip()) for name, number in best.varied.items()),
+        *((name, _varied(number, unit_in(name, best.model))) for name, number in best.varied.items()),
         ("limits reached", ", ".join(best.active) or "none"),
         ("small friction", best.limit if best.of_limit is None else f"{100 * best.of_limit:.4g} % of the limit ({best.limit})"),
         *([] if best.robust is None else [("over the sample", show.quantity_text(best.robust, unit_of_result(best.of, best.model)))]),

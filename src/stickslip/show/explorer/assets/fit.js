@@ -5,13 +5,18 @@ import { $ } from "./tools.js";
 const LARGEST = 20e6;
 const made = (tag, text = "", more = {}) => Object.assign(document.createElement(tag), { textContent: text }, more);
 const nothing = () => ({ units: {}, roles: {}, numbers: {}, machine: "", law: "", asymmetric: false });
-let files = [], choices = nothing(), planning = 0, fitting = null, result = null;
+let files = [], choices = nothing(), planning = 0, fitting = null, result = null, offered = () => false;
+const rows = new Map(), fields = new Map(); // of columns and of numbers, by name: a field stays while others are read again, with what is being typed in it
 
-export function listen() {
+// `sliders`, where the page has those of a shaken robot, gives the numbers of the robot there [SI], and whether it has a friction for each
+// direction; null where its drive is none that a log is fitted with.
+export function listen(sliders = () => null) {
+  $("fit-sliders").addEventListener("click", () => take(sliders()));
+  offered = (header) => header.machine === "robot" && sliders() !== null;
   $("fit-file").addEventListener("change", (event) => offer([...event.target.files]));
   $("fit-start").addEventListener("click", start);
   $("fit-stop").addEventListener("click", () => fitting?.abort());
-  $("fit-machine").addEventListener("change", (event) => { choices.machine = event.target.value; choices.law = ""; choices.numbers = {}; plan(); });
+  $("fit-machine").addEventListener("change", (event) => { choices.machine = event.target.value; choices.law = ""; choices.numbers = {}; fields.clear(); plan(); });
   $("fit-law").addEventListener("change", (event) => { choices.law = event.target.value; stale(); });
   $("fit-asymmetric").addEventListener("change", (event) => { choices.asymmetric = event.target.checked; stale(); });
   $("fit-report").addEventListener("click", save);
@@ -25,6 +30,8 @@ export async function offer(given) {
   fitting?.abort();
   files = given;
   choices = nothing();
+  rows.clear();
+  fields.clear();
   $("fit-asymmetric").checked = false;
   $("fit-name").textContent = files.map((each) => each.name).join(", ");
   $("fit-offer").hidden = true;
@@ -73,12 +80,13 @@ function stale() {
 
 // ---- the proposal ----
 function show(header) {
-  $("fit-columns").replaceChildren(...header.channels.map((c) => column(c, header.roles)));
+  place("fit-columns", header.channels.map((c) => kept(rows, c.name, () => column(c.name), (row) => row.tell(c, header.roles))));
   const words = Object.fromEntries(header.machines), typed = choices.machine === header.machine;
   fill("fit-machine", header.machines.map(([name]) => [name, name]), header.machine);
   $("fit-machine-why").textContent = header.machine ? `${words[header.machine]}${typed ? "" : `; proposed because of ${header.why}`}` : "";
   fill("fit-law", [["", "compare several"], ...header.laws.map((name) => [name, name])], choices.law);
-  $("fit-numbers").replaceChildren(...header.numbers.map(number));
+  place("fit-numbers", header.numbers.map((n) => kept(fields, n.name, () => number(n.name), (label) => label.tell(n))));
+  $("fit-sliders").hidden = !offered(header);
   $("fit-notes").replaceChildren(...header.notes.slice(0, 8).map((note) => made("li", note)));
   $("fit-start").disabled = !header.machines.length;
   $("fit-offer").hidden = false;
@@ -89,42 +97,82 @@ function fill(id, options, chosen) {
   $(id).disabled = !options.length;
 }
 
-function column(c, roles) {
-  const row = document.createElement("div");
-  if (c.suggested) row.dataset.state = "check";
-  const unit = made("input", "", { type: "text", value: c.unit, autocomplete: "off", placeholder: "unit" });
-  unit.setAttribute("aria-label", `unit of ${c.name}`);
-  unit.addEventListener("change", () => { choices.units = { ...choices.units, [c.name]: unit.value.trim() }; if (!unit.value.trim()) delete choices.units[c.name]; plan(); });
-  const span = c.range ? `${short(c.range[0])} to ${short(c.range[1])}; ` : "";
-  if (c.role === "time") return row.append(made("b", c.name), made("span", "time"), unit, made("small", c.why)), row;
-  const role = document.createElement("select");
-  role.setAttribute("aria-label", `role of ${c.name}`);
-  role.append(...roles.map((name) => new Option(name === "unused" ? "left out" : name, name, false, name === c.role)));
-  role.addEventListener("change", () => { choices.roles = { ...choices.roles, [c.name]: role.value }; plan(); });
-  row.append(made("b", c.name), role, unit, made("small", `${span}${c.role === "unused" ? "not used" : c.why}`));
+// An element that stays, of that name, made where there is none, and told what is known of it now.
+function kept(those, name, make, tell) {
+  if (!those.has(name)) those.set(name, make());
+  tell(those.get(name));
+  return those.get(name);
+}
+
+// Elements in their place; those that are there already are not moved, which would take the focus from them.
+function place(id, elements) {
+  const there = [...$(id).children];
+  if (there.length !== elements.length || there.some((each, k) => each !== elements[k])) $(id).replaceChildren(...elements);
+}
+
+function take(given) {
+  if (!given) return say("the drive of the sliders is none that a log is fitted with; type the numbers", "wait");
+  for (const [name, value] of Object.entries(given.numbers)) {
+    const input = fields.get(name)?.querySelector("input");
+    if (!input) continue;
+    delete input.dataset.wrong;
+    input.value = String(value);
+    choices.numbers = { ...choices.numbers, [name]: value };
+  }
+  $("fit-asymmetric").checked = choices.asymmetric = given.asymmetric;
+  plan();
+}
+
+const busy = (input) => input === document.activeElement || input.dataset.wrong !== undefined; // what was typed and cannot be read stays
+
+function column(name) {
+  const row = document.createElement("div"), why = made("small"), time = made("span", "time"), role = document.createElement("select");
+  const unit = made("input", "", { type: "text", autocomplete: "off", placeholder: "unit" });
+  unit.setAttribute("aria-label", `unit of ${name}`);
+  unit.addEventListener("change", () => { choices.units = { ...choices.units, [name]: unit.value.trim() }; if (!unit.value.trim()) delete choices.units[name]; plan(); });
+  role.setAttribute("aria-label", `role of ${name}`);
+  role.addEventListener("change", () => { choices.roles = { ...choices.roles, [name]: role.value }; plan(); });
+  row.append(made("b", name), role, unit, why);
+  row.tell = (c, roles) => {
+    const span = c.range ? `${short(c.range[0])} to ${short(c.range[1])}; ` : "", isTime = c.role === "time";
+    if (c.suggested) row.dataset.state = "check"; else delete row.dataset.state;
+    if (!busy(unit)) unit.value = c.unit;
+    if (row.children[1] !== (isTime ? time : role)) row.children[1].replaceWith(isTime ? time : role);
+    if (!isTime) role.replaceChildren(...roles.map((each) => new Option(each === "unused" ? "left out" : each, each, false, each === c.role)));
+    why.textContent = isTime ? c.why : `${span}${c.role === "unused" ? "not used" : c.why}`;
+  };
   return row;
 }
 
 const short = (x) => Number(x.toPrecision(3)).toString();
 
-function number(n) {
-  const label = made("label", `${n.name.replaceAll("_", " ")}${n.needed ? " (needed)" : ""}`), input = made("input", "", { type: "text", inputMode: "decimal", autocomplete: "off" });
-  input.value = [n.typed ?? ""].flat().join("; ");
-  input.placeholder = n.needed ? `such as ${n.example}` : n.assumed;
-  if (n.needed && n.typed === null) input.setAttribute("aria-invalid", "true");
+function number(name) {
+  const label = made("label"), title = made("span"), words = made("small"), input = made("input", "", { type: "text", autocomplete: "off" });
   input.addEventListener("change", () => {
-    const text = input.value.trim().replaceAll(",", "."), values = text.split(";").map((part) => (part.trim() ? Number(part) : NaN));
-    if (text && !values.every(Number.isFinite)) { input.setAttribute("aria-invalid", "true"); return say(`${n.name}: ${input.value} is not a number`); }
-    if (text) choices.numbers = { ...choices.numbers, [n.name]: values.length > 1 ? values : values[0] };
-    else delete choices.numbers[n.name];
+    const text = input.value.trim().replaceAll(",", "."), values = text.split(";").map((part) => part.trim()).map((part) => (Number.isFinite(Number(part || NaN)) ? Number(part) : part));
+    const sound = values.every((each) => typeof each === "number" || /^[+-]?[\d.]+(e[+-]?\d+)?\s*\S+/i.test(each)); // a number, or one with its unit
+    delete input.dataset.wrong;
+    if (text && !sound) { input.dataset.wrong = ""; input.setAttribute("aria-invalid", "true"); return say(`${name}: ${input.value} is not a number`); }
+    if (text) choices.numbers = { ...choices.numbers, [name]: values.length > 1 ? values : values[0] };
+    else delete choices.numbers[name];
     plan();
   });
-  label.append(input, made("small", `${n.typed === null && n.why ? `${n.words}: ${n.why}` : n.words}${n.each ? "; one for all files, or one for each, such as 1; 2" : ""}`));
+  label.append(title, input, words);
+  label.tell = (n) => {
+    title.textContent = `${n.name.replaceAll("_", " ")}${n.needed ? " (needed)" : ""}`;
+    input.placeholder = n.needed ? `such as ${n.example}` : n.assumed;
+    if (!busy(input) && choices.numbers[name] === undefined) input.value = "";
+    if (busy(input) ? input.dataset.wrong !== undefined : n.needed && n.typed === null) input.setAttribute("aria-invalid", "true");
+    else input.removeAttribute("aria-invalid");
+    words.textContent = `${n.typed === null && n.why ? `${n.words}: ${n.why}` : n.words}${n.each ? "; one for all files, or one for each, such as 1; 2" : ""}`;
+  };
   return label;
 }
 
 // ---- the fit ----
 async function start() {
+  const wrong = [...fields.values()].map((label) => label.querySelector("[data-wrong]")).find(Boolean);
+  if (wrong) return wrong.focus();
   fitting?.abort();
   const own = (fitting = new AbortController()), since = performance.now();
   stale();

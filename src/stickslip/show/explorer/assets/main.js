@@ -269,7 +269,12 @@ function frequencies() {
   fit.frequencies(dropped, state.values.omega, parameters.omega, (omega) => { state.values.omega = omega; $("preset").value = ""; changed(); });
 }
 $("record-fit").addEventListener("click", () => $("fit").scrollIntoView({ block: "start" }));
-fit.listen();
+fit.listen(() => {
+  if (state.drive !== "harmonic") return null;
+  const { amplitude, tilt_deg, body_mass, inner_mass } = state.values;
+  const numbers = { amplitude, tilt_deg: state.track === "level" ? 0 : tilt_deg, body_mass, inner_mass };
+  return { numbers, asymmetric: state.contact === "anisotropic" };
+});
 $("record").addEventListener("change", (event) => load([...event.target.files]));
 $("record-off").addEventListener("click", forgetRecord);
 $("record-drive").addEventListener("click", async () => {
