@@ -181,6 +181,17 @@ def test_unknown_names_get_a_proposal():
     says(lambda: ss.solve(rig(law="coulomb"), start={"w": 1.0}), "start has no 'w'")
     with pytest.raises(AttributeError, match="did you mean 'Coulomb'"):
         _ = ss.Coulom
+    says(lambda: ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1), "type friction=ss.Coulomb(0.15, 0.21)")
+    with pytest.raises(AttributeError, match="savefig"):
+        _ = ss.solve(rig(law="coulomb"), periods=2).savefig
+
+
+def test_a_machine_that_is_no_dataclass_says_what_to_write():
+    class Block(ss.Machine):
+        def bodies(self):
+            return {"a": ss.Body(1.0)}
+
+    says(lambda: ss.solve(Block(), duration=1.0), "it is not a dataclass; write @dataclass(frozen=True, eq=False) above class Block")
 
 
 def test_parts_must_be_parts():

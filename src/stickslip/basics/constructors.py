@@ -58,10 +58,14 @@ def check_arguments(
             problems.add(f"{name!r} is {not_known}; {hint}")
     for p in list(known.values())[len(args) :]:
         if p.default is p.empty and p.name not in kwargs and p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL):
-            problems.add(f"{p.name} is missing; type {p.name}={_example_in(described().get(p.name, {}))}")
+            problems.add(f"{p.name} is missing; type {p.name}={_example_in(p.name, described().get(p.name, {}))}")
     problems.check()
 
 
-def _example_in(description: Mapping[str, Any]) -> str:
-    """An example of a number; dots if it has no description."""
-    return example_of(description) if description.get("example") is not None else "..."
+#: Examples of parts, by the name of the argument.
+_PARTS = {"friction": "ss.Coulomb(0.15, 0.21)", "drive": "ss.Harmonic(amplitude=5e-4, frequency=32.7)"}
+
+
+def _example_in(name: str, description: Mapping[str, Any]) -> str:
+    """An example of a number or a part; dots if there is none."""
+    return example_of(description) if description.get("example") is not None else _PARTS.get(name, "...")

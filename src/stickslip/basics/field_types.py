@@ -12,6 +12,8 @@ import typing
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any, NamedTuple
 
+from stickslip.basics.errors import InputError
+
 
 class FieldType(NamedTuple):
     """What a field holds ("number", "numbers", "named" or "kind"), and whether None, and one number beside several, are allowed."""
@@ -30,6 +32,8 @@ def field_types(cls: Any) -> Mapping[str, FieldType]:
     >>> field_types(LuGre)["mu_plus"].holds, field_types(LuGre)["f_plus"].optional
     ('number', True)
     """
+    if not dataclasses.is_dataclass(cls):
+        raise InputError(cls.__name__, [f"it is not a dataclass; write @dataclass(frozen=True, eq=False) above class {cls.__name__}"])
     return _types_of(cls)
 
 

@@ -110,7 +110,8 @@ class Sym:
 
     def __float__(self) -> float:
         raise TraceError(
-            "a law turns a symbol into a number; call exp, log, sqrt, sin, cos, tanh … from stickslip.maths, not from math or numpy"
+            "a law, or a force or load of a machine, turns a symbol into a number; call exp, log, sqrt, sin, cos, tanh … from "
+            "stickslip.maths, not from math or numpy"
         )
 
     __int__ = __index__ = __float__  # type: ignore[assignment]

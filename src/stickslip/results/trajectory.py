@@ -49,6 +49,9 @@ _INSTEAD = {
     "pattern": "run.motion.pattern",
     "energy": "ss.energy(run)",
     "spectrum": "ss.dynamics.spectrum(run)",
+    "period": "run.motion.period, in drive periods, or run.period_time [s]",
+    **dict.fromkeys(("savefig", "figure", "save_figure"), 'run.plot().figure.savefig("run.png", dpi=600)'),
+    **dict.fromkeys(("to_pandas", "to_frame", "df"), "run.to_dataframe()"),
 }
 
 

@@ -116,3 +116,8 @@ def test_the_energy_of_a_run_is_drawn_without_asking_for_it_first_and_its_works_
     assert ss.plot.energy(run).get_xlabel() == "drive period"
     text = repr(ss.energy(run))
     assert "drive" in text and "friction -" in text and "gravity" not in text
+
+
+def test_a_map_without_a_number_says_so():
+    ax = ss.plot.velocity_map(plane(np.nan, np.nan, 0))
+    assert [text.get_text() for text in ax.texts] == ["no case has a number"] and len(ax.figure.axes) == 1

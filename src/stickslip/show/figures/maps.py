@@ -151,10 +151,13 @@ def velocity_map(
     lines = borders and _type_lines(ax, grid, first, second, across, up)
     late = not nothing and _hatch_unsettled(ax, grid, first, second, across, up)
     _legend(ax, [], "border of motion types" if lines else None, late)
-    if nothing:
+    if not np.isfinite(V).any():
+        bar.remove()
+        ax.text(0.5, 0.5, "no case has a number", transform=ax.transAxes, ha="center", va="center", fontsize=7, zorder=9)
+    elif nothing:
         bar.remove()
         ax.text(0.5, 0.5, nothing, transform=ax.transAxes, ha="center", va="center", fontsize=7, bbox=_BOX, zorder=9)
-    elif optimum and np.isfinite(V).any():
+    elif optimum:
         _mark_best(ax, _settled(grid, V, first, second), across, up, unit)
     return _framed(ax, grid, across, up)
 
