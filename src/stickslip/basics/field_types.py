@@ -32,7 +32,8 @@ def field_types(cls: Any) -> Mapping[str, FieldType]:
     >>> field_types(LuGre)["mu_plus"].holds, field_types(LuGre)["f_plus"].optional
     ('number', True)
     """
-    if not dataclasses.is_dataclass(cls):
+    known: bool = dataclasses.is_dataclass(cls)  # a name of its own: otherwise a type checker narrows cls
+    if not known:
         raise InputError(cls.__name__, [f"it is not a dataclass; write @dataclass(frozen=True, eq=False) above class {cls.__name__}"])
     return _types_of(cls)
 

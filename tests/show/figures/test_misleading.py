@@ -118,6 +118,15 @@ def test_the_energy_of_a_run_is_drawn_without_asking_for_it_first_and_its_works_
     assert "drive" in text and "friction -" in text and "gravity" not in text
 
 
+def test_a_cloud_under_branches_marks_what_has_not_settled():
+    kwargs = {"parameter": "amplitude", "tilt_deg": 1.7, "law": "coulomb"}
+    branch = ss.continuation(ss.presets.piezo_rig, start=7e-4, stop=8e-4, **kwargs)
+    diagram = ss.bifurcation(ss.presets.piezo_rig, values=[7.2e-4, 7.6e-4], settle=20, follow=False, **kwargs)
+    assert "not settled" not in words(ss.plot.continuation(branch, diagram=diagram))
+    diagram["motion"][:, 0] = "not settled"
+    assert "not settled" in words(ss.plot.continuation(branch, diagram=diagram))
+
+
 def test_a_map_without_a_number_says_so():
     ax = ss.plot.velocity_map(plane(np.nan, np.nan, 0))
     assert [text.get_text() for text in ax.texts] == ["no case has a number"] and len(ax.figure.axes) == 1

@@ -16,7 +16,19 @@ from stickslip.models.machine_adapter import machine_of
 from stickslip.models.model_adapter import adapter_of
 from stickslip.models.rounding import without_rounding
 from stickslip.show.figures.special_kinds import marker_of, name_once
-from stickslip.show.figures.style import COLOURS, INK, axes, axis_label, dot_size, drawing, labelled, legend_above, scaled
+from stickslip.show.figures.style import (
+    COLOURS,
+    INK,
+    UNSETTLED,
+    UNSETTLED_MARK,
+    axes,
+    axis_label,
+    dot_size,
+    drawing,
+    labelled,
+    legend_above,
+    scaled,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -99,7 +111,7 @@ def continuation(
     ax.set_xlabel(labelled(across, side))
     ax.set_ylabel(axis_label((_OF_CYCLES if cycles else OBSERVABLES).get(observable, attributes.get("long_name", observable)), unit, mark))
     handles, texts = ax.get_legend_handles_labels()
-    order = sorted(range(len(texts)), key=lambda k: texts[k] == "brute force")  # branches first
+    order = sorted(range(len(texts)), key=lambda k: texts[k] in ("brute force", "not settled"))  # branches first
     legend_above(
         ax, [handles[k] for k in order], [texts[k] for k in order], ncols=min(len(order), 4) if len(order) < 5 else 3,
         columnspacing=1.0, handletextpad=0.5, handlelength=1.6,
@@ -219,8 +231,13 @@ def _cloud(ax: Any, diagram: Any, parameter: str, observable: str, right: float,
     y = diagram[observable]
     x = diagram[parameter].broadcast_like(y).values.ravel() * right
     dots = {"color": _CLOUD, "markersize": dot_size(diagram.sizes[parameter]), "markeredgewidth": 0}  # wider than the branches over them
-    ax.plot(x, y.values.ravel() * up, "o", zorder=1, rasterized=True, **dots)
+    late = (diagram.motion == "not settled").broadcast_like(y).transpose(*y.dims).values.ravel()
+    ax.plot(x[~late], y.values.ravel()[~late] * up, "o", zorder=1, rasterized=True, **dots)
     ax.plot([], [], "o", label="brute force", **dots | {"markersize": 4})
+    if late.any():
+        style: dict[str, Any] = {"linestyle": "", "marker": UNSETTLED_MARK, "color": UNSETTLED, "markeredgewidth": 0.5}
+        ax.plot(x[late], y.values.ravel()[late] * up, zorder=1, markersize=max(dots["markersize"], 2.0), rasterized=True, **style)
+        ax.plot([], [], label="not settled", markersize=4, **style)
 
 
 def _marks(ax: Any, branches: list[Any], observable: str, right: float, up: float) -> None:
