@@ -230,13 +230,14 @@ def _cloud(ax: Any, diagram: Any, parameter: str, observable: str, right: float,
         raise InputError("plot", [f"the diagram has no {observable!r}; it has {', '.join(map(str, diagram.data_vars))}"])
     y = diagram[observable]
     x = diagram[parameter].broadcast_like(y).values.ravel() * right
-    dots = {"color": _CLOUD, "markersize": dot_size(diagram.sizes[parameter]), "markeredgewidth": 0}  # wider than the branches over them
+    size = dot_size(diagram.sizes[parameter])
+    dots = {"color": _CLOUD, "markersize": size, "markeredgewidth": 0}  # wider than the branches over them
     late = (diagram.motion == "not settled").broadcast_like(y).transpose(*y.dims).values.ravel()
     ax.plot(x[~late], y.values.ravel()[~late] * up, "o", zorder=1, rasterized=True, **dots)
     ax.plot([], [], "o", label="brute force", **dots | {"markersize": 4})
     if late.any():
         style: dict[str, Any] = {"linestyle": "", "marker": UNSETTLED_MARK, "color": UNSETTLED, "markeredgewidth": 0.5}
-        ax.plot(x[late], y.values.ravel()[late] * up, zorder=1, markersize=max(dots["markersize"], 2.0), rasterized=True, **style)
+        ax.plot(x[late], y.values.ravel()[late] * up, zorder=1, markersize=max(size, 2.0), rasterized=True, **style)
         ax.plot([], [], label="not settled", markersize=4, **style)
 
 
