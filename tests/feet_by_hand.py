@@ -5,6 +5,8 @@ import itertools
 import numpy as np
 from scipy.integrate import solve_ivp
 
+NOTHING = 1e-14  # m, or m/s: what rounding makes
+
 
 class TwoFeet:
     """A body of 1 kg with feet at (a, -h) in its own axes, Coulomb's friction and Newton's restitution, and forces (x, z, torque)."""
@@ -92,13 +94,13 @@ class TwoFeet:
             guards, names = [], []
             for i, side in enumerate(sides):
                 if side == 2:
-                    guards.append(lambda t, y, i=i: list(self.rows(y[:3], y[3:]))[i][0])
+                    guards.append(lambda t, y, i=i: list(self.rows(y[:3], y[3:]))[i][0] + NOTHING)  # what rises begins above zero
                     names.append(("landing", i))
                 else:
                     guards.append(lambda t, y, i=i: forces(t, y)[1][0][forces(t, y)[0].index(i)])
                     names.append(("take-off", i))
                 if side in (1, -1):
-                    guards.append(lambda t, y, i=i, side=side: side * (list(self.rows(y[:3], y[3:]))[i][3] @ y[3:]))
+                    guards.append(lambda t, y, i=i, side=side: side * (list(self.rows(y[:3], y[3:]))[i][3] @ y[3:]) + NOTHING)
                     names.append(("slip", i))
                 if side == 0:
 
@@ -122,6 +124,7 @@ class TwoFeet:
                                 events.append((t, what, k))
                                 aloft[k] = False
                         y[3:] = self.hit(y, [not a for a in aloft], self.e)
+                        y[1] += 2 * NOTHING
                     elif what == "take-off":
                         events.append((t, what, i))
                         aloft[i] = True

@@ -15,6 +15,7 @@ import pytest
 import stickslip as ss
 from cart_poles import CartAndBob
 from models.machines.test_any_coordinates import Arm, DoublePole
+from models.machines.test_landings import Ball, Hopper, Particle, Rod, Rotor
 from models.machines.test_rails import CartPole, Wedge
 from stickslip.maths import cos, pi, sin
 
@@ -126,3 +127,43 @@ def test_no_random_machine_in_the_plane_disagrees_silently(law):
     said = {which: what for which, what in said.items() if not what.startswith("refused")}
     assert not {which: what for which, what in said.items() if what.startswith("DIFFERS")}
     assert sum(what != "agrees" for what in said.values()) <= 0.02 * len(said)
+
+
+class Bowl(Particle):
+    """A particle on ground that is a parabola."""
+
+    def ground(self, x):
+        return self.steep * x + self.radius * x**2 / 2
+
+
+def landing(form, rng):
+    """A machine with a point that may fly, and where it begins."""
+    law, e = ss.Coulomb(*rng.uniform(0.02, 0.8, 2)), rng.choice([0.0, rng.uniform(0.0, 0.9)])
+    if form == "ball":
+        return Ball(law, e), {"x": {"z": rng.uniform(0, 1)}, "v": {"x": rng.normal(), "z": rng.uniform(0, 2)}}
+    if form == "rod":
+        half, angle = rng.uniform(0.1, 1.0), rng.uniform(-3, 3)
+        start = {"z": abs(half * np.sin(angle)) + rng.uniform(0, 0.5), "angle": angle}
+        return Rod(half, law, e), {"x": start, "v": {"x": rng.normal() * 2, "angle": rng.normal() * 3, "z": rng.normal() * 0.5}}
+    if form == "hopper":
+        return Hopper(rng.uniform(50, 500), law, e), {"x": {"stretch": rng.uniform(-0.6, 0.3)}, "v": {"x": rng.normal() * 2}}
+    if form == "rotor":
+        return Rotor(rng.uniform(0.3, 4), law, e), {"x": {"z": rng.uniform(0, 0.01)}, "v": {}}
+    steep, bend, x = rng.uniform(-0.6, 0.6), rng.uniform(-1, 2), rng.normal()
+    height = steep * x + bend * x**2 / 2 + rng.uniform(0, 0.5)
+    return Bowl(law, e, steep, bend), {"x": {"x": x, "z": height}, "v": {"x": rng.normal(), "z": rng.uniform(0, 1)}}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("form", ["ball", "rod", "hopper", "rotor", "bowl"])
+def test_no_random_machine_lands_otherwise_than_the_judge(form):
+    """Ten of each form: take-offs, landings and rebounds to their end, event by event."""
+    for seed in range(10):
+        rng = np.random.default_rng([seed, len(form)])
+        machine, start = landing(form, rng)
+        end = rng.uniform(0.3, 1.2)
+        span = {"duration": end} if machine.period is None else {"periods": int(end * 10) + 1}
+        run, judge = (ss.solve(machine, start=start, **span, **given) for given in ({}, {"method": "dop853", "rtol": 1e-12}))
+        assert run.status == judge.status and [e.kind for e in run.events] == [e.kind for e in judge.events], seed
+        late = [abs(a.t - b.t) for a, b in zip(run.events, judge.events, strict=True)]
+        assert max(late, default=0.0) < FAR and np.max(abs(np.r_[run.x[-1] - judge.x[-1], run.v[-1] - judge.v[-1]])) < FAR, seed

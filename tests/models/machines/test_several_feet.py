@@ -138,3 +138,27 @@ def test_what_does_not_know_several_feet_says_so():
 
     with pytest.raises(InputError, match="or one of two points that push"):
         type("Three", (Block,), {"contacts": three})(HALF, 0.5, ss.Coulomb(0.1, 0.1), 0.0)
+
+
+@pytest.mark.slow
+def test_no_random_block_falls_otherwise_than_by_hand():
+    """400 of them, each until its rebounds are small; all run to their ends."""
+    far = {}
+    for seed in range(400):
+        rng = np.random.default_rng(seed)
+        half, tall = rng.uniform(0.05, 0.5, 2)
+        mu, e = rng.uniform(0.02, 1.2), rng.choice([0.0, rng.uniform(0.2, 0.9)])
+        angle = rng.choice([0.0, rng.uniform(-1.2, 1.2)])
+        low = min(side * half * np.sin(angle) - tall * np.cos(angle) for side in (1, -1))
+        x = [0.0, -low + rng.choice([0.0, rng.uniform(0.01, 0.4)]), angle]
+        v = [rng.normal(), 0.0, 0.0 if x[1] + low < 1e-9 else rng.normal() * 2]
+        start = {what: dict(zip(("x", "z", "angle"), values, strict=True)) for what, values in (("x", x), ("v", v))}
+        machine, end = Block(half, tall, ss.Coulomb(mu, mu), e), rng.uniform(0.1, 0.5)
+        run = ss.solve(machine, duration=end, start=start)
+        small = [event.t for event in run.events if event.kind == "landing" and -event.velocity < 2e-2]
+        end = min([end, *(t - 1e-6 for t in small)])
+        run = ss.solve(machine, duration=end, start=start)
+        _, last = TwoFeet([(-half, -tall), (half, -tall)], (half**2 + tall**2) / 3, mu, e).run(np.r_[x, v].astype(float), end)
+        off = np.max(abs(np.r_[run.x[-1], run.v[-1]] - last))
+        far |= {seed: off} if run.status != "finished" or off > 1e-8 else {}
+    assert not far
