@@ -134,6 +134,8 @@ class Hops:
 def hops(run: Trajectory, contact: str | None = None) -> Hops:
     """The hops of a contact over the last motion period of a run, or its last drive periods where it does not repeat.
 
+    A run without a period counts as a whole.
+
     Parameters
     ----------
     run : Trajectory
@@ -173,6 +175,8 @@ def _span(run: Trajectory) -> tuple[float, float]:
     """The last motion period, or the last drive period where none was found, with a moment before: what lands at its end lands once."""
     from stickslip.analysis.steady import period_number
 
+    if run.model.period is None:
+        return float(run.pieces.t[0]), float(run.pieces.t[-1])
     end, T = float(run.strobe_times[-1]), run.period_time
     return end - T * min(period_number(run) or 1, len(run.strobe_times) - 1), end
 

@@ -164,6 +164,9 @@ def test_a_box_hops_lands_and_stays_as_the_judge_says():
     run = agrees(hopper(0.0), HOP, 0.9)
     assert [event.kind for event in run.events] == ["take-off", "landing", "stick", "take-off", "landing"]
     assert run.bodies["box"].z[-1] == pytest.approx(0.0, abs=1e-14) and run.contacts["foot"].mode[-1] == 0
+    whole, (up, down) = ss.hops(run), (run.events[0].t, run.events[1].t)
+    assert whole.landings == 2 and whole.speed == -run.events[1].velocity and whole.height == pytest.approx(run.x[:, 1].max(), rel=1e-3)
+    assert whole.fraction == pytest.approx((down - up + run.events[4].t - run.events[3].t) / 0.9, rel=1e-12)
     many = agrees(hopper(0.4), HOP, 1.3)
     assert len(many.events) == 23 and sum(event.kind == "take-off" for event in many.events) == 2
     aloft = many.at([0.3])
@@ -369,3 +372,9 @@ def test_a_point_in_the_middle_of_one_machine_is_beside_it_in_the_next():
 def test_a_curve_is_ground_of_a_point_that_can_leave_it(changed):
     with pytest.raises(InputError, match=r"a curve z\(x\) is the ground of a point"):
         type("Other", (Particle,), changed)(ss.Coulomb(0.1, 0.1), 0.0, 0.1, 1.0)
+
+
+def test_a_small_hop_before_a_large_one_is_not_missed():
+    """A rebound of 3 ms that begins and ends in the first part of a step, at whose end the box has been thrown up: its landing counts."""
+    box = Hopper(90.12101178708386, ss.Coulomb(0.16746738949842832, 0.327167400266902), 0.7329469686598773)
+    agrees(box, {"x": {"stretch": 0.18094226713485173}, "v": {"x": -0.7570648332354118}}, 1.06, within=1e-9)

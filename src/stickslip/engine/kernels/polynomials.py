@@ -6,6 +6,7 @@ LOOKS = 4  # stretches of [0, 1] at whose ends a polynomial is looked at
 NOISE = -4e-15  # of the sum of its terms: a polynomial this close to zero is not below it
 BEGUN = 1e-3  # what touches zero before has begun there
 NEWTON = 60  # iterations at most; a handful is usual
+HALVES = 40  # of a quarter of a step, in search of the steepest fall in it
 
 
 @njit(float64(f1, int64, int64, float64))
@@ -74,12 +75,30 @@ def turning_point(C, at, degree, lo, hi, d0, d1):
 
 
 @njit(float64(f1, int64, int64, float64))
+def steepest_fall(C, at, degree, hi):
+    """Where the slope is least between 0, where the curvature is negative, and hi, where it is positive: by halves."""
+    lo = 0.0
+    for _ in range(HALVES):
+        x = 0.5 * (lo + hi)
+        if curvature_at(C, at, degree, x) < 0.0:
+            lo = x
+        else:
+            hi = x
+    return lo
+
+
+@njit(float64(f1, int64, int64, float64))
 def first_below(C, at, degree, noise):
     """Where one that does not begin below `noise` first falls below zero in [0, 1]; 2 if it does not, 3 if it touches zero meanwhile."""
     none, a, da = 2.0, 0.0, C[at + STRIDE]
     for j in range(LOOKS):
         b = (j + 1.0) / LOOKS
         db = slope_at(C, at, degree, b)
+        if j == 0 and da > 0.0 and db > 0.0 and C[at] == 0.0 and C[at + 2 * STRIDE] < 0.0 and curvature_at(C, at, degree, b) > 0.0:
+            a = steepest_fall(C, at, degree, b)  # what has just risen from zero may fall and rise again before the first look
+            da = slope_at(C, at, degree, a)
+            if value_at(C, at, degree, a) < noise:
+                return zero_between(C, at, degree, 0.0, a)
         if da < 0.0 and db > 0.0:
             low = turning_point(C, at, degree, a, b, da, db)
             bottom = value_at(C, at, degree, low)
