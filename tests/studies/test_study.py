@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import multiprocessing
 import os
 import pickle
 import signal
@@ -536,3 +537,24 @@ def test_a_mechanism_travels_too():
         plan = planned(bench, (), {"damping": [0.01, 0.05]}, None, None, 7, **(SOLVER | span))
         there = solved(pickle.loads(pickle.dumps(plan.alone(plan.points(0)))), 0)[0]
         np.testing.assert_array_equal(there["displacement"], solved(plan, 0)[0]["displacement"])
+
+
+@pytest.mark.slow
+def test_a_study_over_processes_that_are_killed_loses_nothing_and_keeps_nothing_twice(tmp_path, monkeypatch):
+    from stickslip.studies.folder import StudyFolder
+
+    written, write, axes = [], StudyFolder.write, dict(amplitude=np.linspace(3e-4, 8e-4, 60), omega=np.linspace(120.0, 260.0, 40), tile=60)
+
+    def killing(study, k, *tile):
+        written.append(k)
+        write(study, k, *tile)
+        if len(written) in (5, 20):
+            os.kill(multiprocessing.active_children()[0].pid, signal.SIGKILL)
+
+    rig = dict(tilt_deg=1.7, law="lugre")
+    ss.sweep(ss.presets.piezo_rig, **axes, **rig, out=tmp_path / "alone")
+    monkeypatch.setattr(StudyFolder, "write", killing)
+    ss.sweep(ss.presets.piezo_rig, **axes, **rig, out=tmp_path / "fleet", executor="processes:2")
+    assert sorted(written) == list(range(40))
+    for tile in (tmp_path / "alone" / "tiles").iterdir():
+        assert (tmp_path / "fleet" / "tiles" / tile.name).read_bytes() == tile.read_bytes()

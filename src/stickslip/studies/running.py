@@ -100,10 +100,10 @@ def sweep(
         Cases that are computed and written together.
     client : dask.distributed.Client, optional
         Compute there instead of locally: each tile is a task.
-    executor : executor or callable, optional
-        Compute there instead of locally: anything that has the ``submit`` of `concurrent.futures.Executor`, such as a
-        `ProcessPoolExecutor`; or a function that makes one, which is asked again if the pool breaks. `workers` is then the number of
-        its workers. The results do not depend on it.
+    executor : str, executor or callable, optional
+        Compute there instead of in threads: ``"processes:8"``, eight processes of this computer, of which one that is killed is begun
+        again; or anything that has the ``submit`` of `concurrent.futures.Executor`, or a function that makes one, which is asked again if
+        the pool breaks. `workers` is then the number of its workers. The results do not depend on it.
     retries : int
         How often a tile is retried after it failed or its worker was lost.
     progress : callable or bool, optional
