@@ -34,6 +34,18 @@ def rounded(value: float, error: float) -> str:
     return f"{round(value, places):.0f}" if places < 0 and abs(value) < 1e6 else text
 
 
+def with_error(value: float, error: float) -> str:
+    """A value with its standard error, to the digits that this leaves, and to six at most.
+
+    Examples
+    --------
+    >>> with_error(0.188061, 0.047), with_error(-13960.4, 103.0), with_error(-0.46644712, 1e-14)
+    ('0.188 ± 0.05', '-13960 ± 1e+02', '-0.466447 ± 1e-14')
+    """
+    text = f"{value:.6g}" if error < 1e-6 * abs(value) else rounded(value, error)
+    return f"{text} ± {error:.1g}"
+
+
 def sure(error: float, digits: str = ".2g") -> str:
     """A standard error as printed after its value.
 

@@ -18,7 +18,7 @@ from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import floats
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import Ending, interruptible, look, looking, partial_result
-from stickslip.basics.notebook_display import Drawn, rounded
+from stickslip.basics.notebook_display import Drawn, rounded, with_error
 from stickslip.dynamics.flows.flow_stretches import needs_flow, passage
 from stickslip.solvers.plain.user_functions import coordinates_of_map, of_state
 
@@ -101,7 +101,7 @@ class Lyapunov(Drawn):
         return [self.note] if self.note else []
 
     def __repr__(self) -> str:
-        listed = ", ".join(f"{a:.6g} ± {e:.1g}" for a, e in zip(self.spectrum, self.errors, strict=True))
+        listed = ", ".join(with_error(a, e) for a, e in zip(self.spectrum.tolist(), self.errors.tolist(), strict=True))
         return f"<Lyapunov: {listed} per {self.unit}, over {self.steps:g}{'; ' + self.note if self.note else ''}>"
 
 

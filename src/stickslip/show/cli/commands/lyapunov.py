@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError
+from stickslip.basics.notebook_display import with_error
 from stickslip.show.cli import show
 from stickslip.show.cli.arguments import section_asked, subject, value
 from stickslip.show.cli.declaring import EXECUTOR, FIGURES, ROBOT, SECTION, TABLES, argument, command
@@ -83,8 +84,8 @@ def _rows(judged: Any) -> list[tuple[str, str]]:
     l = judged.exponents  # noqa: E741
     rows = [("motion", judged.kind + (f", period {judged.period}" if judged.period else ""))]
     rows += [
-        (f"exponent {i + 1}", f"{mean:.6g} ± {error:.1g} per {l.unit}")
-        for i, (mean, error) in enumerate(zip(l.spectrum, l.errors, strict=True))
+        (f"exponent {i + 1}", f"{with_error(mean, error)} per {l.unit}")
+        for i, (mean, error) in enumerate(zip(l.spectrum.tolist(), l.errors.tolist(), strict=True))
     ]
     if judged.orbit is not None:
         rows.append(("multipliers", ", ".join(f"{m:.6g}" for m in judged.orbit.multipliers)))
