@@ -181,6 +181,7 @@ def test_unknown_names_get_a_proposal():
     says(lambda: ss.solve(rig(law="coulomb"), start={"w": 1.0}), "start has no 'w'")
     with pytest.raises(AttributeError, match="did you mean 'Coulomb'"):
         _ = ss.Coulom
+    says(lambda: ss.sweep(ss.presets.piezo_rig, amplitude=[5e-4], tilt_deg=1.7, n_jobs=2), "type workers=4 for threads")
     says(lambda: ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1), "type friction=ss.Coulomb(0.15, 0.21)")
     with pytest.raises(AttributeError, match="savefig"):
         _ = ss.solve(rig(law="coulomb"), periods=2).savefig

@@ -214,6 +214,20 @@ def no_attribute(thing: object, name: str, renamed: Mapping[str, str]) -> Any:
     raise AttributeError(f"{type(thing).__name__} has no {name!r}" + (f"; type {renamed[name]}" if name in renamed else ""))
 
 
+_OF_WORKERS = ("n_jobs", "jobs", "parallel", "threads", "cores", "processes", "nproc", "num_workers", "n_workers", "max_workers")
+
+
+def other_options(name: str, options: Iterable[str]) -> str | None:
+    """A suggestion for an option that other packages call otherwise; None for an unknown name.
+
+    Examples
+    --------
+    >>> other_options("n_jobs", ["workers", "executor"])
+    'type workers=4 for threads, executor="processes:4" for processes'
+    """
+    return 'type workers=4 for threads, executor="processes:4" for processes' if name in _OF_WORKERS and "workers" in options else None
+
+
 def other_words(name: str, value: Any, known: Iterable[str], equals: str = "=") -> str | None:
     """A suggestion for a number given under a name or in a unit that is not used here; None for an unknown name.
 

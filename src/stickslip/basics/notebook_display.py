@@ -34,6 +34,9 @@ def rounded(value: float, error: float) -> str:
     return f"{round(value, places):.0f}" if places < 0 and abs(value) < 1e6 else text
 
 
+_ROUNDING = 1e-14  # a value whose error is smaller, and which is smaller itself, is zero
+
+
 def with_error(value: float, error: float) -> str:
     """A value with its standard error, to the digits that this leaves, and to six at most.
 
@@ -41,7 +44,11 @@ def with_error(value: float, error: float) -> str:
     --------
     >>> with_error(0.188061, 0.047), with_error(-13960.4, 103.0), with_error(-0.46644712, 1e-14)
     ('0.188 ± 0.05', '-13960 ± 1e+02', '-0.466447 ± 1e-14')
+    >>> with_error(-1.95e-16, 0.0)
+    '0 ± 0'
     """
+    if error < _ROUNDING and abs(value) < _ROUNDING:
+        value = 0.0
     text = f"{value:.6g}" if error < 1e-6 * abs(value) else rounded(value, error)
     return f"{text} ± {error:.1g}"
 

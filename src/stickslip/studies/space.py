@@ -11,7 +11,7 @@ import numpy as np
 
 from stickslip.basics.arguments import parameters_of
 from stickslip.basics.contracts import Array, Model
-from stickslip.basics.errors import InputError, Problems, did_you_mean, other_words
+from stickslip.basics.errors import InputError, Problems, did_you_mean, other_options, other_words
 from stickslip.basics.fields import leaves, masked_in
 from stickslip.basics.number_names import numbers_meant
 from stickslip.models.model_adapter import adapter_of, is_model
@@ -210,7 +210,7 @@ def check_names(make: Any, given: Sequence[str], options: Sequence[str], problem
     for name in given:
         starts = () if names_states(make) else START
         if name not in known and name not in starts and (callable(make) or not numbers_meant(name, known)):
-            hint = other_words(name, None, known) or did_you_mean(name, [*known, *options, *starts])
+            hint = other_words(name, None, known) or other_options(name, options) or did_you_mean(name, [*known, *options, *starts])
             problems.add(f"{name!r} is not known; {hint}")
 
 
