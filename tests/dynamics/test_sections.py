@@ -159,6 +159,13 @@ def test_a_run_that_has_not_settled_is_not_typed_and_one_that_stands_still_is_st
     assert late.type == "steady" and late.pattern == "-" and np.isnan(late.duration)
 
 
+def test_a_run_without_a_whole_turn_has_no_mean_and_no_amplitude():
+    cycle = ss.periodic_orbit(COULOMB)
+    part, whole = ss.motion(cycle.run), cycle.motion
+    assert part.type == "not settled" and np.isnan([part.mean_velocity, part.amplitude, part.change]).all() and "nan m/s" not in str(part)
+    assert whole.mean_velocity == pytest.approx(0.0, abs=1e-12) and whole.stick_fraction == pytest.approx(5.0 / DURATION, rel=1e-9)
+
+
 def test_what_only_driven_motions_have_is_said():
     with pytest.raises(AttributeError, match="the motion of a machine without a period has no margin; it has type, period, duration"):
         _ = ss.motion(ss.solve(COULOMB, duration=60)).margin

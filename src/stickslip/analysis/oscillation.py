@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -54,7 +54,8 @@ class Oscillation(Drawn):
     ----------
     type : str
         "stick-slip" (some contact sticks for a part of the cycle), "slip" (no contact ever sticks), "oscillation" (there is no contact),
-        "steady" (no velocity changes), or "not settled": then all other numbers are those of the last turn, or NaN where there was none.
+        "steady" (no velocity changes), or "not settled": then all other numbers are those of the last turn. Where the second half of the
+        run has no whole turn, velocities and contacts are those of this half, and the other numbers are NaN.
     period : int or None
         Turns until it repeats, 1 to 16; None of what does not repeat within the run, or is steady.
     duration : float
@@ -128,11 +129,15 @@ class Oscillation(Drawn):
         raise InputError("motion", [f"{mistake}; type motion.contacts[name].{what}"])
 
     def _facts(self) -> dict[str, Any]:
-        facts: dict[str, Any] = {"type": self.type, "mean velocity": f"{self.mean_velocity:.6g} m/s"}
+        facts: dict[str, Any] = {"type": self.type}
+        if not np.isnan(self.mean_velocity):
+            facts["mean velocity"] = f"{self.mean_velocity:.6g} m/s"
         if self.period is not None:
             facts["repeats after"] = f"{self.duration:.9g} s ({self.period} turn{'s' * (self.period != 1)})"
         if self.type == "not settled":
-            facts["change from turn to turn"] = f"{self.change:.1e} of the swing; run it for longer"
+            change = "change from turn to turn", f"{self.change:.1e} of the swing"
+            what, how = ("whole turns in its second half", "none, or too few") if np.isnan(self.change) else change
+            facts[what] = f"{how}; run it for longer"
         return facts
 
     def _tables(self) -> list[list[tuple[str, ...]]]:
@@ -171,8 +176,9 @@ def oscillation(run: Trajectory, slip_ratio: float, dwell: float, settle: float 
         return _of_stretch(run, "steady", None, float(late[0]), end, 0.0, slip_ratio, dwell)
     returns = passages(run, cut_of(run))
     returns = returns[returns >= late[0]]
-    if len(returns) < 2:
-        return _of_stretch(run, "not settled", None, float(late[0]), end, np.nan, slip_ratio, dwell)
+    if len(returns) < 2:  # velocities and contacts are those since `settle`; of a part of a turn there is no amplitude and no mean
+        part = _of_stretch(run, "not settled", None, float(late[0]), end, np.nan, slip_ratio, dwell)
+        return replace(part, amplitudes=dict.fromkeys(part.amplitudes, np.nan), mean_velocity=np.nan)
     turns, change = _repeats(run, returns, v)
     if turns is None:
         return _of_stretch(run, "not settled", None, float(returns[-2]), float(returns[-1]), change, slip_ratio, dwell)

@@ -47,6 +47,8 @@ _INSTEAD = {
     "force": "run.friction_force",
     "motion_type": "run.motion.type",
     "pattern": "run.motion.pattern",
+    "stick_fraction": "run.motion.stick_fraction, of one contact, or motion.contacts[name].stick_fraction",
+    "amplitude": "run.motion.amplitude",
     "energy": "ss.energy(run)",
     "spectrum": "ss.dynamics.spectrum(run)",
     "period": "run.motion.period, in drive periods, or run.period_time [s]",

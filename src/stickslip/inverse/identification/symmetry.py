@@ -35,6 +35,8 @@ class Symmetry:
     half, error : float
         Half the difference, and its standard error; infinite where the record does not determine it.
     unit : str
+    apart : bool
+        Whether both directions were fitted.
     """
 
     name: str
@@ -43,6 +45,7 @@ class Symmetry:
     half: float
     error: float
     unit: str = ""
+    apart: bool = False
 
     @property
     def determined(self) -> bool:
@@ -62,7 +65,7 @@ class Symmetry:
             return f"{mean}, half difference not determined: {zero}"
         coarse = self.error > _COARSE * abs(self.mean)
         same = "the record hardly tells one direction from the other" if coarse else "one coefficient for both is enough"
-        verdict = "friction differs by direction; type asymmetric=True" if self.asymmetric else same
+        verdict = f"friction differs by direction{'' if self.apart else '; type asymmetric=True'}" if self.asymmetric else same
         return f"{mean}, half difference {rounded(self.half, self.error)} {sure(self.error)}{unit}: {verdict}"
 
 
@@ -130,9 +133,9 @@ def by_sides(fit: Fit) -> list[Symmetry]:
             c = fit.covariance
             mean, half = (0.5 * float(np.sqrt(max(c[i, i] + c[j, j] + sign * 2 * c[i, j], 0.0))) for sign in (1, -1))
             values = fit.values[names[0]], fit.values[names[1]]
-            symmetries.append(Symmetry(stem, 0.5 * sum(values), mean, 0.5 * (values[0] - values[1]), half, unit))
+            symmetries.append(Symmetry(stem, 0.5 * sum(values), mean, 0.5 * (values[0] - values[1]), half, unit, apart=True))
             continue
         whole = {formula: (value, error) for formula, value, error in fit.combinations}
         if both := whole.get(" + ".join(names)) or whole.get(" + ".join(names[::-1])):
-            symmetries.append(Symmetry(stem, 0.5 * both[0], 0.5 * both[1], 0.0, float("inf"), unit))
+            symmetries.append(Symmetry(stem, 0.5 * both[0], 0.5 * both[1], 0.0, float("inf"), unit, apart=True))
     return symmetries

@@ -12,9 +12,11 @@ from stickslip.basics.arguments import Ax
 from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.notebook_display import Face, Text, drawn_on
+from stickslip.basics.number_names import SIDES
 from stickslip.basics.presenting import presenter
 from stickslip.basics.whole_files import unwritable, write_whole
 from stickslip.inverse.logs.proposals import HEAD, Proposal, table
+from stickslip.models.naming import description_of
 
 if TYPE_CHECKING:
     from stickslip.inverse.identification.fit import Fit
@@ -32,6 +34,12 @@ def over_motor_constant(text: str) -> str:
     'mu = 1.1 A, viscous = 0.2 A s/rad, inertia = 0.2 A s^2/rad, motor_constant = 1 N m/A'
     """
     return re.sub(r"\bkg m(?:\^2|²)", "A s^2/rad", re.sub(r"\bN m\b(?!/A)", "A", text))
+
+
+def label_of(fit: Fit, name: str) -> str:
+    """What a fitted parameter is; of one for both directions without the direction."""
+    label = str(description_of(name.partition("[")[0], fit.problem.parameters.make).get("label", ""))
+    return label if name.endswith(SIDES) else label.removesuffix(" forwards")
 
 
 @sealed
@@ -145,7 +153,10 @@ class LogFit(Face):
             if self.in_amperes:
                 write_whole(page, over_motor_constant(page.read_text(encoding="utf-8")), unwritable("report"))
             return page
-        parts = [table(self.proposals), *(f"reading: {note}" for note in self.notes), "", self.fit.report(), f"verdict: {self.verdict}"]
+        parts = [table(self.proposals), *(f"reading: {note}" for note in self.notes), "", self.fit.report()]
+        labels = ((name, label_of(self.fit, name)) for name in self.fit.names)
+        parts += [f"names: {words}"] if (words := ", ".join(f"{name} is the {label}" for name, label in labels if label)) else []
+        parts.append(f"verdict: {self.verdict}")
         if names := self.fit.undetermined:
             parts.append(f"not determined by this record: {', '.join(names)}")
         parts += [f"measure next: {each}" for each in self.next]

@@ -8,7 +8,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stickslip.basics.number_names import SIDES
 from stickslip.inverse.identification.fit_text import (
     cost_lines,
     input_lines,
@@ -17,8 +16,7 @@ from stickslip.inverse.identification.fit_text import (
     sensor_lines,
     stated,
 )
-from stickslip.inverse.logs.log_fit import over_motor_constant
-from stickslip.models.naming import description_of
+from stickslip.inverse.logs.log_fit import label_of, over_motor_constant
 from stickslip.show.reports.log_figures import MOST_DRAWN, figures_of
 
 if TYPE_CHECKING:
@@ -54,13 +52,7 @@ def result_of(made: LogFit) -> dict[str, Any]:
 def _rows(fit: Fit) -> list[dict[str, Any]]:
     """The parameters, each as it is stated, and with what it is."""
     lost, rows = fit.undetermined, parameter_rows(fit)
-    return [row | {"stated": stated(fit, row), "label": _label(fit, row["name"]), "lost": row["name"] in lost} for row in rows]
-
-
-def _label(fit: Fit, name: str) -> str:
-    """What a parameter is; of one for both directions without the direction."""
-    label = str(description_of(name.partition("[")[0], fit.problem.parameters.make).get("label", ""))
-    return label if name.endswith(SIDES) else label.removesuffix(" forwards")
+    return [row | {"stated": stated(fit, row), "label": label_of(fit, row["name"]), "lost": row["name"] in lost} for row in rows]
 
 
 def _ranking(made: LogFit) -> list[dict[str, Any]]:
