@@ -48,7 +48,7 @@ _INSTEAD = {
     "motion_type": "run.motion.type",
     "pattern": "run.motion.pattern",
     "stick_fraction": "run.motion.stick_fraction, of one contact, or motion.contacts[name].stick_fraction",
-    "amplitude": "run.motion.amplitude",
+    "amplitude": "run.motion.amplitude, of a machine without a period, or np.ptp(run.v[run.t > run.t[-1] - run.period_time]) / 2",
     "energy": "ss.energy(run)",
     "spectrum": "ss.dynamics.spectrum(run)",
     "period": "run.motion.period, in drive periods, or run.period_time [s]",
