@@ -350,3 +350,9 @@ def test_figures_leave_the_settings_of_a_back_end_alone():
         assert mpl.is_interactive() and mpl.rcParams["font.size"] == size
     finally:
         mpl.interactive(before)
+
+
+def test_a_tilt_that_went_with_the_law_shows_when_the_run_is_printed():
+    level = ss.solve(rig(law="coulomb").replace(friction=ss.Coulomb(0.1, 0.2)), periods=3)
+    assert "the track is level: the tilt of 1.7 degrees" in repr(level) and "run.notes" in repr(level)
+    assert "level" not in repr(ss.solve(rig(law="coulomb"), periods=3))

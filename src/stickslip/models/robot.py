@@ -13,7 +13,7 @@ from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import Frozen, describe, leaves
 from stickslip.basics.maths import is_symbol
 from stickslip.basics.quantities import BODY_MASS, GRAVITY, INNER_MASS, remarks_on_gravity
-from stickslip.models.drives.drive_adapter import MISTAKEN, NEEDS, drive_of, lacking, needs_of
+from stickslip.models.drives.drive_adapter import LEVEL, MISTAKEN, NEEDS, drive_of, lacking, needs_of
 from stickslip.models.drives.force import FORCE_NEEDS
 from stickslip.models.drives.together import Together, common_cycles
 from stickslip.models.forces import check_law
@@ -272,7 +272,7 @@ def _unfolded(robot: Robot) -> list[str]:
     if not _any(tilt != 0) or not (law_was_replaced(robot.track) or _same_both_ways(robot.friction)):
         return []
     return [
-        f"the track is level: the tilt of {_steepest(tilt)} degrees was folded into the friction law that this one took the place of; for "
+        f"{LEVEL} the tilt of {_steepest(tilt)} degrees was folded into the friction law that this one took the place of; for "
         'an incline make the robot with incline="gravity", or type replace(track=ss.Incline(...)); if this law contains it, '
         "replace(track=ss.Level()) takes this note away"
     ]

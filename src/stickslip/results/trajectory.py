@@ -19,7 +19,7 @@ from stickslip.basics.variables import VARIABLES
 from stickslip.models import forces
 from stickslip.models.angular_coordinates import unit_of_part
 from stickslip.models.contact_forces import held_by_controllers
-from stickslip.models.drives.drive_adapter import MISTAKEN
+from stickslip.models.drives.drive_adapter import LEVEL, MISTAKEN
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.rounding import without_rounding
@@ -587,7 +587,9 @@ class Trajectory(Drawn, Judged, RunFiles):
     def __repr__(self) -> str:
         seconds = f"{float(self.pieces.t[-1] - self.pieces.t[0]):.6g} s"
         length = seconds if self.model.period is None else f"{self.periods} periods of {self.period_time:.6g} s"
-        mistaken = "".join(f"; {note}" for note in machine_of(self.model).notes if note.startswith(MISTAKEN))
+        notes = machine_of(self.model).notes
+        mistaken = "".join(f"; {note}" for note in notes if note.startswith(MISTAKEN))
+        mistaken += "".join(f"; {note.partition(';')[0]} (see run.notes)" for note in notes if note.startswith(LEVEL))
         words = self._moves
         moves = ", ".join(f"mean velocity {text}" if name == "mean velocity" else text for name, text in words.items())
         return f"<Trajectory: {length} by {self.method}, {self.status}{'; ' * bool(words)}{moves}{mistaken}>"

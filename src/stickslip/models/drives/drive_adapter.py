@@ -70,6 +70,8 @@ _FASTEST = 10.0
 _EARTH = 9.81  # [m/s^2]
 #: How remarks on numbers begin that are likely to be in another unit.
 MISTAKEN = "is a unit mistaken?"
+#: First words of the remark of a robot whose incline went with the law that had it.
+LEVEL = "the track is level:"
 
 
 def unlikely(adapter: DriveAdapter) -> tuple[str, ...]:
