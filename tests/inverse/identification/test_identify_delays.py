@@ -8,9 +8,11 @@ import pytest
 import stickslip as ss
 from stickslip.inverse.identification.covariance import noise_scale, spread_of, still_promised
 from stickslip.inverse.identification.damped_steps import damped_steps
+from stickslip.inverse.identification.law_forces import Stepped, law_force
 from stickslip.inverse.identification.misfit import misfit_of
 from stickslip.inverse.identification.search import SearchEnd
 from stickslip.inverse.identification.uncertainty import faults
+from stickslip.models.friction.law_adapter import adapted
 
 LOAD = 40.0
 
@@ -73,3 +75,18 @@ def test_a_search_that_ends_before_a_minimum_says_so_and_its_intervals_hold_the_
     assert np.sqrt(spread[0, 0]) > 0.9 * (ended - fit.point)[0] and not misfit.is_none
     said = dataclasses.replace(fit, misfit=misfit)
     assert any("ended before a minimum" in text for text in (*faults(said), *said.warnings))
+
+
+def test_samples_too_far_apart_for_a_law_near_rest_are_said():
+    """At 50 Hz the velocity changes by more than v_s between two samples at a reversal: the truth is made by forty steps between them."""
+    t, fine = np.arange(0.0, 6.0, 0.02), np.arange(-1.0, 6.0, 0.0005)
+    x, v = 3e-3 * np.sin(2.3 * fine), 6.9e-3 * np.cos(2.3 * fine)
+    law = ss.LuGre(0.2, 0.2, 0.3, 0.3, sigma0=4e5, sigma1=0.0, sigma2=100.0, v_s=3e-4)
+    motion = Stepped(fine, np.diff(x, prepend=x[0]) / 0.0005, v)
+    F = law_force(adapted(law), motion, np.full((len(fine), 1), LOAD), np.zeros((len(fine), 1)), 1)[:, 0][np.searchsorted(fine, t - 1e-9)]
+    rec = ss.Record.of(t, {"x [m]": 3e-3 * np.sin(2.3 * t), "F [N]": F + np.random.default_rng(0).normal(0, 0.01, len(t))},
+                       roles={"x": "position", "F": "force"})  # fmt: skip
+    free, fixed = {"mu_plus": (0.05, 0.6), "v_s": (1e-4, 1e-2, "log")}, dict(f_plus=0.3, f_minus=0.3, sigma0=4e5, sigma1=0.0, sigma2=100.0)
+    fit = ss.identify(rec, ss.LuGre, free=free, tied={"mu_minus": "mu_plus"}, load=LOAD, starts=2, sensor={}, **fixed)
+    assert fit.misfit.coarse > 0.5 and any("not resolved" in said for said in faults(fit))
+    assert any("sample faster" in said for said in fit.warnings)

@@ -68,6 +68,11 @@ class DrivenProblem(OverParameters):
         """The same fit over the motions that other noise of their sensors, the k-th, would have shown."""
         return dataclasses.replace(self, targets=tuple(t.redrawn(k + 100 * i) if t.has_noise else t for i, t in enumerate(self.targets)))
 
+    def finer(self) -> DrivenProblem:
+        """The same fit with shorter steps of laws with inner states where the motion turns; itself where no step is long."""
+        targets = tuple(m.finer() for m in self.targets)
+        return self if targets == self.targets else dataclasses.replace(self, targets=targets)
+
     def rough(self) -> DrivenProblem:
         """The same fit with fewer samples, for the search."""
         if self.values is not None:

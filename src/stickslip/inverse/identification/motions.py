@@ -35,6 +35,7 @@ _BLURRED = 3.0  # standard errors of the position within which a flank of a play
 _SMEARED = 0.03  # of the range of a motion, over which a play closes in a search
 _LONGEST, _OF_A_STROKE = 0.02, 0.125  # delay that is looked for, where steps are short: that [s], and no more than so much of a stroke
 _ENDS = 0.5  # by how many times itself a delay may be longer for what it brings from an end
+_COARSE = 0.1  # of a velocity, by which it changes over a step that is halved
 _REPEATS = 0.1  # by which part of its own spread the motion may differ from one period to the next
 
 
@@ -227,6 +228,33 @@ class PrescribedMotion(Compared):
             "weights": np.insert(self.weights, places, 0.0),
         }
         return dataclasses.replace(self, **made), np.insert(self.compared, places, False)
+
+    def finer(self) -> PrescribedMotion:
+        """The same with two steps in place of each over which the velocity changes much beside itself, as it does where the motion turns.
+
+        Between two samples the position is the cubic that has their places and velocities.
+        """
+        ahead, behind = self.at, np.concatenate([self.at[:1], self.at[:-1]])
+        steps = np.diff(self.t, prepend=self.t[0])
+        coarse = (abs(ahead - behind) > _COARSE * np.maximum(abs(ahead), abs(behind))) & ~self.gaps & (steps > 0)
+        if self.timeless or self.rigid or self.in_play or not coarse.any():
+            return self
+        k = np.flatnonzero(coarse)
+        half, (v0, v1, mean) = 0.5 * steps[k], (each[k] for each in (behind, ahead, self.v))
+        turned = 0.25 * (v0 - v1)  # by which the mean velocity of the first half is above that of the whole, and of the second below
+        v = np.array(self.v)
+        v[k] = mean - turned
+        made: dict[str, Any] = {
+            "t": np.insert(self.t, k, self.t[k] - half),
+            "v": np.insert(v, k, mean + turned),
+            "at": np.insert(self.at, k, 1.5 * mean - 0.25 * (v0 + v1)),
+            "still": np.insert(self.still, k, False),
+            "load": np.insert(self.load, k, 0.5 * (self.load[k] + self.load[k - 1])),
+            "force": np.insert(self.force, k, np.nan),
+            "weights": np.insert(self.weights, k, 0.0),
+            "before": self.before + int(np.sum(k <= self.before)),
+        }
+        return dataclasses.replace(self, **made)
 
     def every(self, step: int) -> PrescribedMotion:
         """The same motion, thinned out."""

@@ -308,6 +308,10 @@ class OverParameters:
         parameters: Parameters
         targets: tuple[Any, ...]
 
+    def finer(self) -> Any:
+        """The same with shorter steps where these are long."""
+        return self
+
     @property
     def has_noise(self) -> bool:
         """Whether the input carries noise; a drive is known."""

@@ -86,6 +86,10 @@ class Compared:
         """Usual time between samples [s]."""
         return float(np.median(np.diff(self.time)))
 
+    def finer(self) -> Any:
+        """The same with shorter steps where these are long."""
+        return self
+
     @property
     def most_noise(self) -> float:
         """The most that the noise of a value can be, as the record shows it by itself; infinite where it does not."""

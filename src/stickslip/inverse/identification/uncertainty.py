@@ -191,7 +191,7 @@ def _followed(fit: Fit, k: int, held: float, start: Any) -> Any:
 def faults(fit: Fit) -> list[str]:
     """Why a fit is not that of a law which holds: an interrupted search, numbers at bounds, residuals that are not noise."""
     reasons = ["the search was interrupted"] if fit.stopped else []
-    reasons += _before_a_minimum(fit)
+    reasons += [*_before_a_minimum(fit), *_coarse(fit)]
     reasons += [f"{name} ends at its bound {fit.values[name]:.5g}" for name in _at_bounds(fit)]
     reasons += _against_what_is_known(fit)
     reasons += [*_sensors_at_bounds(fit), *_misfit_of_means(fit)]
@@ -205,6 +205,7 @@ _BY_PRIOR = "intervals are as many times as wide, or more"
 _WIDENED = "the law or the drive is not that of the record, or the noise is larger than given; the intervals are wider by that factor"
 
 
+_FASTER = "the intervals allow for it, as far as it is small; sample faster, or turn more slowly"
 _ELSEWHERE = "the intervals allow for the step that is promised; type a larger starts=, begin nearer to the numbers, or narrow their bounds"
 
 
@@ -214,6 +215,14 @@ def _before_a_minimum(fit: Fit) -> list[str]:
         return []
     off = float(np.sqrt(fit.misfit.promised))
     return [f"the search ended before a minimum: by the derivatives there the numbers are {off:.2g} standard errors off"]
+
+
+def _coarse(fit: Fit) -> list[str]:
+    """A sentence on samples that are too far apart for what a law does near rest."""
+    if fit.misfit is None or not fit.misfit.coarse:
+        return []
+    off = f"shorter steps move numbers by {fit.misfit.coarse:.2g} standard errors"
+    return [f"between samples about the reversals the law is not resolved: {off}"]
 
 
 def _misfit_of_means(fit: Fit) -> list[str]:
@@ -256,7 +265,9 @@ def _at_bound(fit: Fit, k: int) -> str:
 
 def remarks(fit: Fit) -> list[str]:
     """Sentences on parameters at their bounds, on parameters that nothing is known of, and on residuals that are not noise."""
-    sentences = [f"{said}: {_ELSEWHERE}" for said in _before_a_minimum(fit)] + undetermined(fit)
+    sentences = (
+        [f"{said}: {_ELSEWHERE}" for said in _before_a_minimum(fit)] + [f"{said}: {_FASTER}" for said in _coarse(fit)] + undetermined(fit)
+    )
     sentences += lost_remarks(fit)
     curved = [name for name in fit.open if name not in fit.flat]
     sentences += [f"{name} is not determined: any value between its bounds fits as well; fix it, or {fit.remedy}" for name in curved]
