@@ -106,3 +106,12 @@ def test_texts_of_angles_are_in_radians():
     assert picture["bodies"][1]["v"][-1] == pytest.approx(run.v[-1, 1], rel=1e-3)
     assert velocity(run)["up"] == ("velocity v", "")
     assert velocity(ss.solve(ss.Joint.example(), duration=0.1))["up"] == ("velocity v", "rad/s")
+
+
+def test_units_of_strobe_states_follow():
+    from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs, velocity_attrs
+
+    units = [state_attrs(name, "on the strobe", Hung())["units"] for name in ("v.x", "v.angle", "x.angle", "l.x")]
+    assert units == ["m/s", "rad/s", "rad", "m"]
+    joint = ss.Joint.example()
+    assert state_attrs("v", "on the strobe", joint)["units"] == velocity_attrs(joint)["units"] == "rad/s"

@@ -135,7 +135,7 @@ class Atlas(Drawn):
                 motion[(*cell, k)], period[(*cell, k)] = each.word, each.period
                 V = each.mean_velocity if adapter_of(self.plane.sample).has_displacement else np.nan
                 numbers[(*cell, k)] = [V, each.hits / starts, *wilson(each.hits, starts), *each.state]
-        columns = OF_ATTRACTORS | {name: state_attrs(name, "on the strobe", self.plane.has_units) for name in names}
+        columns = OF_ATTRACTORS | {name: state_attrs(name, "on the strobe", self.plane.sample) for name in names}
         return {
             "motion": (motion.astype(str), {"long_name": "motion"}),
             "period": (period, {"units": "1", "long_name": "motion period (0: none, -1: absent)"}),

@@ -19,7 +19,6 @@ from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, state_at_rest
-from stickslip.models.model_adapter import adapter_of
 from stickslip.models.naming import in_its_unit
 
 Cell = tuple[int, int]
@@ -102,11 +101,6 @@ class Plane:
         if model.period is not None:
             return on_section(model, self.at, section=self.asked[0], turns=self.asked[1], what="atlas")
         return on_section(model, self.at, section=self._section, turns=self.asked[1], states=states, groups=owner, what="atlas")
-
-    @cached_property
-    def has_units(self) -> bool:
-        """Whether the units of their states are known."""
-        return adapter_of(self.sample).has_units
 
     @property
     def sample(self) -> Any:

@@ -303,12 +303,11 @@ def _dataset(robots: Family, parameter: str, values: Array, tracks: list[_Track]
             image[i, k] = track.images.get(k, -1)
             numbers[i, k] = [a.mean_velocity, a.share, *a.interval, a.exponent, a.error, *a.state]
     both, model = ("attractor", parameter), robots.robot(values[0])
-    known = adapter_of(model).has_units
     about = (
         OF_ATTRACTORS
         | {"mean_velocity": velocity_attrs(model)}
         | {name: of_motions(at.section is not None)[name] for name in ("exponent", "error")}
-        | {name: state_attrs(name, "on the strobe" if at.section is None else "on the section", known) for name in at.names}
+        | {name: state_attrs(name, "on the strobe" if at.section is None else "on the section", model) for name in at.names}
     )
     columns: dict[str, Any] = {name: (both, numbers[..., i], attrs) for i, (name, attrs) in enumerate(about.items())}
     columns |= {

@@ -9,12 +9,13 @@ import numpy as np
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, SolveError
 from stickslip.basics.frozen_arrays import sealed
-from stickslip.basics.variables import unit_of
 from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, PERIODIC, RUNS_AWAY, UNSETTLED, UNSOLVED
 from stickslip.dynamics.attractors.motion_features import Features, features_of
 from stickslip.dynamics.attractors.settled_motions import Settled, Settling, settled_motions
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, spread_over
+from stickslip.models.angular_coordinates import unit_of_part
 from stickslip.models.model_adapter import adapter_of
+from stickslip.models.rounding import without_rounding
 
 OTHER = 2
 NARROW = 1e-10  # in scales: how near to one another two states on either side of a border are brought
@@ -67,7 +68,8 @@ def named_motion(model: Model, motions: Features, i: int) -> str:
     """A motion by its kind, period and mean velocity."""
     kind, period, V = str(motions.kind[i]), int(motions.period[i]), motions.mean_velocity[i]
     of = adapter_of(model)
-    way = f", V = {V:.7g} {unit_of('v', model) if of.has_units else ''}".rstrip() if of.has_displacement else ""
+    V, unit = (without_rounding(V, model), unit_of_part("v", model, "")) if of.has_units else (V, "")
+    way = f", V = {V:.7g} {unit}".rstrip() if of.has_displacement else ""
     return (f"period {period}" if kind == PERIODIC else kind) + way
 
 

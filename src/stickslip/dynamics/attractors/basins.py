@@ -27,7 +27,9 @@ from stickslip.dynamics.stroboscopic.chunked_runs import Report
 from stickslip.dynamics.stroboscopic.phase_shift import shifted_robots
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over, state_at_rest
+from stickslip.models.angular_coordinates import unit_of_part
 from stickslip.models.model_adapter import adapter_of
+from stickslip.models.rounding import without_rounding
 from stickslip.solvers.flow_starts import changed_at_once, places_of_starts
 from stickslip.solvers.initial_states import LARGEST_START
 
@@ -333,7 +335,7 @@ def _gathered(model: Model, axes: dict[str, Array], settled: Settled, at: Coordi
         },
     }
     phase = {"long_name": "phase of the drive at the start", "units": "1"}
-    coords = {n: (n, a, phase if n == "phase" else state_attrs(n, "at the start", of.has_units)) for n, a in axes.items()}
+    coords = {n: (n, a, phase if n == "phase" else state_attrs(n, "at the start", model)) for n, a in axes.items()}
     firsts = [int(members[k][0]) for k in order]
     images = [None] * len(order) if by_phase else mirror_images(model, at, motions, settled.points[firsts, -1], firsts, rtol)
     words = [image_in_words(i, image) for i, image in enumerate(images)]
@@ -360,7 +362,8 @@ def _attractor(
         orbit = orbit_near(model, count, state, at) if count and not by_phase else None
     share, way = len(members) / cases, float(np.mean(motions.mean_velocity[members])) if adapter_of(model).has_displacement else np.nan
     exponent, error = (float(np.mean(each[members])) for each in (settled.exponent, settled.error))
-    unit = "m/s" if adapter_of(model).has_units else ""
+    unit = unit_of_part("v", model, "") if adapter_of(model).has_units else ""
+    way = without_rounding(way, model) if unit and np.isfinite(way) else way
     return Attractor(kind, count, way, state, share, wilson(len(members), cases), orbit, exponent, error, image, unit)
 
 

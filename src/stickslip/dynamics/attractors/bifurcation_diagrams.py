@@ -14,6 +14,7 @@ from stickslip.basics.errors import Problems
 from stickslip.basics.executors import Workers
 from stickslip.basics.fields import floats
 from stickslip.basics.interruption import interruptible, look, partial_result
+from stickslip.basics.variables import unit_of
 from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, UNDONE, of_motions
 from stickslip.dynamics.attractors.motion_features import features_of
 from stickslip.dynamics.attractors.period_numbers import POINTS
@@ -24,6 +25,7 @@ from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, Tell, over_chunks
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, strobe_map
+from stickslip.models.angular_coordinates import unit_of_part
 from stickslip.models.model_adapter import adapter_of
 from stickslip.models.naming import in_its_unit
 from stickslip.studies.progress import Watch
@@ -221,18 +223,18 @@ def _dataset(how: _Look, parameter: str, values: Array, diagram: dict[str, Array
     at, model = how.at, how.robots.robot(values[0])
     known = adapter_of(model).has_units
     columns: dict[str, Any] = {
-        n: (whole, diagram["points"][..., i], state_attrs(n, "on the strobe" if at.section is None else "on the section", known))
+        n: (whole, diagram["points"][..., i], state_attrs(n, "on the strobe" if at.section is None else "on the section", model))
         for i, n in enumerate(at.names)
     }
     if adapter_of(model).has_displacement:
-        way = {"units": "m" if known else "1", "long_name": "displacement in a drive period"}
+        way = {"units": unit_of_part("x", model, "") if known else "1", "long_name": "displacement in a drive period"}
         columns["displacement"] = (whole, diagram["displacement"], way)
         columns["mean_velocity"] = (flat, diagram["mean_velocity"], velocity_attrs(model))
     columns["period"] = (flat, diagram["period"], {"units": "1", "long_name": "drive periods until it repeats (0: none, -1: not computed)"})
     columns |= {name: (flat, diagram[name], attributes) for name, attributes in of_motions(at.section is not None).items()}
     if at.mechanics is not None and not at.named:
-        columns["v_max"] = (flat, diagram["v_max"], {"units": "m/s", "long_name": "largest velocity"})
-        columns["v_min"] = (flat, diagram["v_min"], {"units": "m/s", "long_name": "smallest velocity"})
+        columns["v_max"] = (flat, diagram["v_max"], {"units": unit_of("v", model), "long_name": "largest velocity"})
+        columns["v_min"] = (flat, diagram["v_min"], {"units": unit_of("v", model), "long_name": "smallest velocity"})
     if at.section is not None:
         columns["duration"] = (flat, diagram["duration"], {"units": "s", "long_name": "time until the motion repeats"})
     coords = {parameter: (parameter, values, how.robots.describe(parameter)), "direction": list(directions)}
@@ -241,10 +243,10 @@ def _dataset(how: _Look, parameter: str, values: Array, diagram: dict[str, Array
 
 def velocity_attrs(model: Any) -> dict[str, str]:
     """Unit and name of a mean velocity; nobody knows the units of a flow's states."""
-    return {"units": "m/s" if adapter_of(model).has_units else "1", "long_name": "mean velocity"}
+    return {"units": unit_of_part("v", model, "") if adapter_of(model).has_units else "1", "long_name": "mean velocity"}
 
 
-def state_attrs(name: str, when: str, has_units: bool = True) -> dict[str, str]:
+def state_attrs(name: str, when: str, model: Any = None) -> dict[str, str]:
     """Unit and name of a coordinate of a strobe state at some time; nobody knows the units of a flow's states.
 
     Examples
@@ -253,10 +255,11 @@ def state_attrs(name: str, when: str, has_units: bool = True) -> dict[str, str]:
     ({'units': 'm/s', 'long_name': 'velocity of head at the start'}, 'm', '1')
     """
     letter, _, part = name.partition(".")
-    if not has_units:
+    if model is not None and not adapter_of(model).has_units:
         return {"units": "1", "long_name": f"{name} {when}"}
     if letter.startswith("memory"):
         return {"units": "1", "long_name": f"what the law remembers {when}, {name}"}
     known = {"v": "velocity", "x": "position", "l": "position, less that of the first body,"}
     whose = f" of {part}" if part and letter in known else ""
-    return {"units": "m/s" if letter == "v" else "m", "long_name": f"{known.get(letter, f'inner state {name}')}{whose} {when}"}
+    unit = unit_of_part({"v": "v", "z": "z"}.get(letter[:1], "x"), model, part)
+    return {"units": unit, "long_name": f"{known.get(letter, f'inner state {name}')}{whose} {when}"}

@@ -94,7 +94,7 @@ class Branch(Drawn):
         coords: dict[str, Any] = {self.parameter: ("point", self.values, self.family.describe(self.parameter))}
         names, when = self.orbits[0].names, "on the strobe" if self.orbits[0].model.period is not None else "at the start of the cycle"
         columns: dict[str, Any] = {
-            n: ("point", [o.state[i] for o in self.orbits], state_attrs(n, when, of.has_units)) for i, n in enumerate(names)
+            n: ("point", [o.state[i] for o in self.orbits], state_attrs(n, when, self.orbits[0].model)) for i, n in enumerate(names)
         }
         known = [name for name in _COLUMNS if (single or name not in _OF_ONE) and hasattr(self.orbits[0], name)]
         columns |= {name: ("point", [getattr(o, name) for o in self.orbits], _COLUMNS.get(name, {})) for name in known}

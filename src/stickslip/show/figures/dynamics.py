@@ -205,7 +205,8 @@ def _edges_on(edges: Any, names: list[str]) -> list[Any]:
 def _text(attractor: Any) -> str:
     """The legend entry of an attractor: its mean velocity, or its period if it has no net displacement, and its share."""
     kind = f"period {attractor.period}" if attractor.kind == "periodic" else attractor.kind
-    way = f"$V$ = {attractor.mean_velocity * 1e3:.3g} mm/s" if np.isfinite(attractor.mean_velocity) else kind
+    factor, unit = (1e3, "mm/s") if attractor.unit == "m/s" else (1.0, attractor.unit)
+    way = f"$V$ = {attractor.mean_velocity * factor:.3g} {unit}".rstrip() if np.isfinite(attractor.mean_velocity) else kind
     named = way if attractor.kind == "periodic" or way == kind else f"{way}, {kind}"
     return f"{named}, {100 * attractor.share:.0f} %"
 

@@ -10,7 +10,6 @@ from stickslip.basics.arguments import Ax
 from stickslip.basics.errors import InputError
 from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
 from stickslip.dynamics.attractors.edge_states import EdgeState
-from stickslip.models.model_adapter import adapter_of
 from stickslip.show.figures.style import COLOURS, INK, axes, axis_label, drawing, legend_above, scaled
 
 if TYPE_CHECKING:
@@ -43,7 +42,7 @@ def edge_state(edge: Any, ax: Ax = None) -> Any:
     """
     if not isinstance(edge, EdgeState):
         raise InputError("plot", [f"{type(edge).__name__} is no edge state; allowed is what ss.dynamics.edge_state gives"])
-    attributes = [state_attrs(name, "on the strobe", adapter_of(edge.model).has_units) for name in edge.names]
+    attributes = [state_attrs(name, "on the strobe", edge.model) for name in edge.names]
     places = [i for i, name in enumerate(edge.names) if not name.startswith(("mode", "memory"))][:2]
     sizes = [scaled(edge.track[:, i], attributes[i]["units"]) for i in places]
     drawn = _over_two if len(places) > 1 else _over_periods
