@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from typing import Any
 
@@ -16,6 +16,7 @@ from stickslip.basics.fingerprints import fingerprint
 from stickslip.basics.jsontext import as_plain
 from stickslip.basics.quantities import axis_in
 from stickslip.basics.variables import VARIABLES, unit_of
+from stickslip.models.angular_coordinates import unit_of_part
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.naming import axis_of
 from stickslip.models.observables import Derived
@@ -92,9 +93,16 @@ def attributes_of(plan: Plan) -> dict[str, Any]:
 
 
 def _units_of(plan: Plan) -> dict[str, str]:
-    """The units of columns for machines that turn about an axis; empty for others."""
-    units = {name: unit for name in COLUMNS if (unit := unit_of(name, plan.sample)) != VARIABLES[name].unit}
+    """The units of columns for machines of which something turns, of each part in its order if they differ; empty for others."""
+    parts = {} if plan.sample is None or plan.of_flow else machine_of(plan.sample).part_names
+    units = {name: unit for name in COLUMNS if (unit := _unit_of(name, plan.sample, parts)) != VARIABLES[name].unit}
     return {"units": json.dumps(units)} if units else {}
+
+
+def _unit_of(name: str, model: Any, parts: Mapping[str, Iterable[str]]) -> str:
+    own = next((parts[dim] for dim in VARIABLES[name].dims if dim in parts), ("",))
+    units = [unit_of_part(name, model, part) for part in own] or [unit_of(name, model)]
+    return units[0] if len(set(units)) == 1 else ", ".join(units)
 
 
 def _described(plan: Plan, numbers: Iterable[str]) -> dict[str, tuple[str, str]]:

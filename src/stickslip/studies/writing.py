@@ -221,8 +221,11 @@ def one_row_a_case(data: Any) -> Any:
     for name in map(str, data.data_vars):
         further = [dim for dim in data[name].dims if dim not in dims]
         if len(further) == 1 and further[0] in data.coords:
-            parts = enumerate(data[further[0]].values.tolist())
-            table = table.assign({f"{name}.{part}": data[name].isel({further[0]: i}, drop=True) for i, part in parts})
+            parts = data[further[0]].values.tolist()
+            unit = str(data[name].attrs.get("units", ""))
+            units = each if len(each := unit.split(", ")) == len(parts) else [unit] * len(parts)
+            one = [data[name].isel({further[0]: i}, drop=True).assign_attrs({"units": own} if own else {}) for i, own in enumerate(units)]
+            table = table.assign({f"{name}.{part}": column for part, column in zip(parts, one, strict=True)})
     return table
 
 

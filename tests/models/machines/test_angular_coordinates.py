@@ -108,6 +108,14 @@ def test_texts_of_angles_are_in_radians():
     assert velocity(ss.solve(ss.Joint.example(), duration=0.1))["up"] == ("velocity v", "rad/s")
 
 
+def test_sweeps_and_their_files_have_the_units_of_each_part(tmp_path):
+    grid = ss.sweep(Hung(), length=[0.4, 0.5], duration=0.2)
+    assert (grid.body_velocity.attrs["units"], grid.mean_velocity.attrs["units"]) == ("m/s, rad/s", "m/s")
+    ss.studies.export(grid, tmp_path / "grid.csv")
+    head = (tmp_path / "grid.csv").read_text(encoding="utf-8").splitlines()[0]
+    assert "body_velocity.x [m/s]" in head and "body_velocity.angle [rad/s]" in head
+
+
 def test_units_of_strobe_states_follow():
     from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs, velocity_attrs
 
