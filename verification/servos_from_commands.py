@@ -5,6 +5,20 @@
 For each set three logs of 6 s with other loads and trajectories are fitted together, each model beginning at what a simpler one has
 found; a fourth log, of another load, is held out. Each line has the processor time of all fits, the models by AICc, the errors of the
 numbers of the true model in standard errors, what is not determined, and the error of the held-out angle beside that of the true ones.
+
+Of the 37 sets these 9 have been run so far (the others are made by the same code): the right model came first for 9 of 9, in the worst case
+by an AICc of 0.9; processor time is that of all six fits.
+
+    set       AICc of the next  largest error [standard errors]  not determined       held-out error over that of the truth  time [s]
+    mx106_m1               0.9                             0.07  k_t, R, viscous                                      0.999        72
+    mx106_m2               4.0                             0.91  k_t, R, viscous                                      1.000        29
+    mx106_m3               3.1                             0.32                                                       0.999        35
+    mx106_m4               2.6                             0.58                                                       1.003        65
+    mx106_m5               2.2                             1.08                                                       1.004        44
+    mx106_m6              11.0                             1.58                                                       1.010        38
+    xl330_m1               2.0                             0.74  k_t, R, viscous                                      1.001        70
+    xl330_m2               3.4                             0.43  k_t, R, viscous                                      1.001        73
+    xl330_m3               5.6                             0.76                                                       1.006        32
 """
 
 from __future__ import annotations
