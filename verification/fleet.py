@@ -38,23 +38,29 @@ def axes(cases: int) -> dict[str, Any]:
 
 
 def spent() -> float:
-    """CPU seconds of this process and of those of its children that have ended."""
+    """CPU seconds of this process, of its processes that have ended, and of the one of which they are copies."""
     each = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-    return sum(usage.ru_utime + usage.ru_stime for usage in each)
+    ticks = sum(int(word) for words in _begun_by(os.getpid(), b"forkserver").values() for word in words[11:15])
+    return sum(usage.ru_utime + usage.ru_stime for usage in each) + ticks / os.sysconf("SC_CLK_TCK")
 
 
-def children() -> list[int]:
-    """Processes that this one has begun, besides the one that looks after their resources."""
-    begun = []
+def _begun_by(parent: int, what: bytes) -> dict[int, list[str]]:
+    """Processes that another has begun, and what the system says of each from its state on."""
+    begun = {}
     for path in Path("/proc").glob("[0-9]*/stat"):
         try:
             words = path.read_text().rpartition(")")[2].split()
             line = (path.parent / "cmdline").read_bytes()
         except OSError:
             continue
-        if int(words[1]) == os.getpid() and b"spawn_main" in line:
-            begun.append(int(path.parent.name))
+        if int(words[1]) == parent and what in line:
+            begun[int(path.parent.name)] = words
     return begun
+
+
+def children() -> list[int]:
+    """Processes that compute."""
+    return [*_begun_by(os.getpid(), b"spawn_main"), *(pid for one in _begun_by(os.getpid(), b"forkserver") for pid in _begun_by(one, b""))]
 
 
 def memory() -> float:

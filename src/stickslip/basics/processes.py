@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import contextlib
 import multiprocessing
+import os
 import queue
 import signal
+import sys
 import threading
 from collections.abc import Callable
 from concurrent.futures import Future
@@ -20,6 +22,11 @@ from stickslip.basics.errors import StickslipError
 
 _PATIENCE = 5.0  # how long a process is waited for that was asked to end [s]
 _WHY = "killed, perhaps for its memory; or the script has no `if __name__ == '__main__':` before its calls, which new processes need"
+
+
+#: Processes are copies of one that has no threads and has loaded what they need, where the system makes such: they begin at little cost.
+_COPIED = "forkserver" in multiprocessing.get_all_start_methods()
+_LOADED = frozenset({"stickslip", "numba"})  # packages of which it loads what this process has loaded
 
 
 class WorkerLost(StickslipError):
@@ -80,10 +87,12 @@ class _Process:
     _beginning = threading.Lock()
 
     def __init__(self) -> None:
-        new = multiprocessing.get_context("spawn")  # a fork after threads of OpenMP hangs
+        new: Any = multiprocessing.get_context("forkserver" if _COPIED else "spawn")  # a fork of this process, which has threads, hangs
         self._pipe, theirs = new.Pipe()
-        self._process = new.Process(target=_serve, args=(theirs,), daemon=True)
+        self._process = new.Process(target=_serve, args=(theirs, dict(os.environ)), daemon=True)
         with self._beginning:
+            if _COPIED:
+                new.set_forkserver_preload([name for name in [*sys.modules] if name.partition(".")[0] in _LOADED])
             self._process.start()
         theirs.close()
 
@@ -113,9 +122,11 @@ class _Process:
             self._process.join()
 
 
-def _serve(pipe: Connection) -> None:
-    """Compute calls until the pipe is closed; Ctrl-C of a terminal is the caller's."""
+def _serve(pipe: Connection, environment: dict[str, str]) -> None:
+    """Compute calls until the pipe is closed; Ctrl-C of a terminal is the caller's, and so is the environment."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    os.environ.clear()
+    os.environ.update(environment)
     with contextlib.suppress(EOFError, OSError):
         while True:
             try:
