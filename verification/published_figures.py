@@ -11,6 +11,7 @@ from known_answers import GHOSH, START, TANG, across, cycles, impacting, pecking
 from published_systems import DAMPING, LEINE, every_other
 
 import stickslip as ss
+from stickslip.show.figures.style import COLOURS, INK, publication
 
 LOG = (  # lines of the log of COCO: mu, duration
     (0.0, 2.9149), (0.012507, 3.3792), (0.019517, 3.8079), (0.02281, 4.1473), (0.024546, 4.4867), (0.024967, 4.8968),
@@ -41,18 +42,22 @@ FOLDS = (
 
 def fold_of_cycles() -> plt.Figure:
     """Duration of the cycles against mu: both branches, settled runs, and what COCO printed."""
-    up = cycles((0.0125, 0.02, 0.023, 0.0242, 0.0248, 0.025), *START)
-    down = cycles((0.01, 0.005, 0.0), *START)
-    beyond = cycles((0.025, 0.0248, 0.0242, 0.023, 0.02, 0.015, 0.01, 0.005, 0.0), *across(up[-1]))
+    fold, ends = TANG[0], np.sqrt(1.0 - np.array([0.0125, 0.025]) / TANG[0])  # durations change as the square root of the distance in mu
+    near = (0.0125, *(fold * (1.0 - np.linspace(*ends, 30)[1:-1] ** 2)).tolist(), 0.025)
+    away = np.linspace(0.0125, 0.0, 16)[1:].tolist()
+    back = (0.025, *(fold * (1.0 - np.linspace(ends[1], 1.0, 60)[1:-1] ** 2)).tolist(), 0.0)
+    up, down = cycles(near, *START), cycles(tuple(away), *START)
+    beyond = cycles(back, *across(up[-1]))
     figure, ax = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
-    lower = [(0.0, 0.005, 0.01, 0.0125, 0.02, 0.023, 0.0242, 0.0248, 0.025, TANG[0]), [o.duration for o in down[::-1] + up] + [TANG[1]]]
-    upper = [(TANG[0], 0.025, 0.0248, 0.0242, 0.023, 0.02, 0.015, 0.01, 0.005, 0.0), [TANG[1]] + [o.duration for o in beyond]]
-    for branch, orbits in ((lower, up), (upper, beyond)):
-        ax.plot(*branch, color="tab:blue", ls="-" if orbits[1].stable else "--", label="stable" if orbits[1].stable else "unstable")
-    for orbit, mu in zip(beyond, (0.025, 0.0248, 0.0242, 0.023, 0.02, 0.015, 0.01, 0.005), strict=False):
-        ax.plot(mu, settled(mu, orbit), "k.", ms=9, label="_" if mu < 0.025 else "settled runs (brute force)")
-    ax.plot(*zip(*LOG, strict=True), "o", mfc="none", mec="tab:red", ms=8, label="printed by COCO")
-    ax.plot(*TANG, "s", color="tab:orange", label="fold")
+    lower = [(*away[::-1], *near, fold), [*(o.duration for o in down[::-1] + up), TANG[1]]]
+    upper = [(fold, *back), [TANG[1], *(o.duration for o in beyond)]]
+    for branch, orbits in ((upper, beyond), (lower, up)):
+        ax.plot(*branch, color=COLOURS[0], ls="-" if orbits[1].stable else "--", label="stable" if orbits[1].stable else "unstable")
+    looked = [int(np.argmin(abs(np.array(back) - mu))) for mu in (0.025, 0.0248, 0.0242, 0.023, 0.02, 0.015, 0.01, 0.005)]
+    runs = [(back[k], settled(back[k], beyond[k])) for k in looked]
+    ax.plot(*zip(*runs, strict=True), ".", color=INK, ms=9, label="settled runs (brute force)")
+    ax.plot(*zip(*LOG, strict=True), "o", mfc="none", mec=COLOURS[1], ms=8, label="printed by COCO")
+    ax.plot(*TANG, "s", color=COLOURS[1], label="fold")
     ax.set(xlabel="μ", ylabel="duration of the cycle")
     ax.legend()
     return figure
@@ -124,7 +129,9 @@ def main(folder: str) -> None:
         (curves_of_hits, "known_curves"),
     )
     for draw, name in figures:
-        draw().savefig(Path(folder) / f"{name}.png", dpi=160)
+        with publication():
+            figure = draw()
+            figure.savefig(Path(folder) / f"{name}.png", dpi=1280 / figure.get_figwidth())
 
 
 if __name__ == "__main__":
