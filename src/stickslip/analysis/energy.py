@@ -105,11 +105,9 @@ class Energy(Drawn):
         last = {name: float(work[-1]) for name, work in (*self.works.items(), ("change of energy", self.stored))} if n else {}
         largest = max(map(abs, last.values()), default=0.0)
         shown = ", ".join(f"{name} {work:.4g} J" for name, work in last.items() if abs(work) > 1e-12 * largest) or "nothing moves"
-        return (
-            f"<Energy of {n} periods; last: {shown}; worst residual {self.worst:.1e}>"
-            if n != 1
-            else (f"<Energy of the run: {shown}; residual {self.worst:.1e}>")
-        )
+        if n == 1:
+            return f"<Energy of the run: {shown}; residual {self.worst:.1e}>"
+        return f"<Energy of {n} periods; last: {shown}; worst residual {self.worst:.1e}>"
 
     @property
     def worst(self) -> float:

@@ -77,8 +77,7 @@ def _add_hit(parts: Assembly, i: int, flight: Flight, box: Box, up: Sym) -> None
     e = m.lift(m.laws[i].restitution)
     thrown, stays = (_hit(parts, i, rate, of) for of in (e, zero))
     after = Substituted(graph, {y.name: y + change for y, change in zip(m.y, stays.changes, strict=True)})
-    time = 1.0 if m.machine.time_scale is None else m.lift(m.machine.time_scale)
-    over = MOMENT * time * (1.0 - e) * -after.of(m.rising(i)) + 2.0 * (e * rate)  # > 0: so are the rebounds
+    over = MOMENT * time_of(parts) * (1.0 - e) * -after.of(m.rising(i)) + 2.0 * (e * rate)  # > 0: so are the rebounds
     rests = after.of(box.decided({i: zero})[i])
     exactly = {j: after.of(of) for j, of in without_slip(m, i).items()}
     states: dict[int, Any] = {flight.inner[0]: zero, flight.inner[1]: graph.select(over, zero, -(e * rate))}
@@ -88,6 +87,12 @@ def _add_hit(parts: Assembly, i: int, flight: Flight, box: Box, up: Sym) -> None
     side = graph.select(over, graph.by_side(stays.side, one, -one, rests), graph.by_side(thrown.side, one, -one, up))
     guard = graph.select(flight.aloft, gap, one)
     parts.events.append((guard, {flight.mode: graph.select(over, zero, one), i: side}, states, 0))
+
+
+def time_of(parts: Assembly) -> Any:
+    """The time scale of a machine, or a second where it has none."""
+    scale = parts.m.machine.time_scale
+    return 1.0 if scale is None else parts.m.lift(scale)
 
 
 def _hit(parts: Assembly, i: int, rate: Sym, e: Sym) -> _Hit:

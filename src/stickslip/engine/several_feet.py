@@ -8,7 +8,7 @@ With the rows n and g of the gaps and slips, W the inverse of M, and normal and 
 Between events modes say which point touches, and which of those rest. At events every combination is looked at: one agrees whose loads are
 not negative, whose rests are inside their limits, whose slips begin to their sides, and whose other points rise. A hit is the same problem
 of impulses. Where no combination agrees a run ends. Two points of one body on flat ground have one slip while both touch: they rest
-together, within what both can bear, and what each of them bears is not told by the equations.
+together, within what both can bear, and the equations do not say what each of them bears.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from stickslip.basics.status import Status
 from stickslip.engine.assembly import Assembly
 from stickslip.engine.coupled import without_slip
 from stickslip.engine.graphs import Substituted
-from stickslip.engine.landings import MOMENT, flight_of, per_impulse
+from stickslip.engine.landings import MOMENT, flight_of, per_impulse, time_of
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Branches, Flight, TracedContact
 from stickslip.models.linear_equations import eliminated, product, total
@@ -313,7 +313,7 @@ def _add_hit(feet: Feet, h: int, flights: dict[int, Flight], number: int) -> Non
     one, zero = feet.one, feet.zero
     speed = m.lift(m.machine.velocity_scale)
     still = _STILL * speed
-    time = 1.0 if m.machine.time_scale is None else m.lift(m.machine.time_scale)
+    time = time_of(parts)
     gaps, rates = ({i: parts.inner[flights[i].inner[k] - len(m.y)] for i in group} for k in (0, 1))
     lands = {i: one if i == h else graph.select(gaps[i] - still * time, -one, graph.select(-rates[i], one, -one)) for i in group}  # at once
     touches = {i: one if i == h else graph.select(flights[i].aloft, lands[i], one) for i in group}
@@ -363,7 +363,7 @@ def _impulses(feet: Feet, touches: Numbers, before: Numbers, e: Numbers, may_lif
 def _over(feet: Feet, touches: Numbers, after: Numbers, thrown: Bearing) -> Sym:
     """1 where all that a hit has thrown up would be down again within a moment."""
     m, graph, group = feet.m, feet.graph, feet.group
-    time = 1.0 if m.machine.time_scale is None else m.lift(m.machine.time_scale)
+    time = time_of(feet.parts)
     there = Substituted(graph, {y.name: y + change for y, change in zip(m.y, feet.changes(thrown), strict=True)})
     over = feet.one
     for i in group:
