@@ -44,6 +44,14 @@ class Assembly:
         slip, zero = self.m.slips[i], self.m.graph.constant(0.0)
         return slip if i in self.m.owner else self.m.graph.by_side(self.modes[i], slip, slip, zero)
 
+    def per_load(self, i: int, slip: Sym, side: float) -> Sym:
+        """Friction of a contact for a load of one, at a slip that is to a side."""
+        assumed = self.m.graph.assumed
+        assumed[slip.number] = side
+        force = self.m.lift(self.m.laws[i].sliding(slip, 1.0))
+        assumed.clear()
+        return force
+
     def position(self, number: int) -> Sym:
         """A position by its number among the states."""
         zero = self.m.graph.constant(0.0)

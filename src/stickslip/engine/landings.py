@@ -117,7 +117,5 @@ def per_impulse(parts: Assembly, i: int, side: float) -> Sym:
     """Impulse along for one across while the point slips to a side: by the slip before it, or where that is to the other side by none."""
     m, graph = parts.m, parts.m.graph
     slip = graph.variable(_SLIP)
-    graph.assumed[slip.number] = side
-    force = m.lift(m.laws[i].sliding(slip, 1.0))
-    graph.assumed.clear()
-    return Substituted(graph, {_SLIP: graph.select(side * m.slips[i], m.slips[i], graph.constant(side * TINY))}).of(force)
+    friction = parts.per_load(i, slip, side)
+    return Substituted(graph, {_SLIP: graph.select(side * m.slips[i], m.slips[i], graph.constant(side * TINY))}).of(friction)

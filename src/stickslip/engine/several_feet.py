@@ -64,20 +64,12 @@ class Feet:
             i: m.lift(total([*map(product, m.rows[i], self.free), drift[i], self.graph.derivative(m.slips[i], m.t)])) for i in group
         }
         self.steepness = {i: m.lift(struck[i].steepness) for i in group}
-        self.kinetic = {i: tuple(self.steepness[i] * of for of in self._per_load(i)) for i in group}
+        per_load = {i: [parts.per_load(i, parts.slip(i), side) for side in (1.0, -1.0)] for i in group}
+        self.kinetic = {i: tuple(self.steepness[i] * of for of in per_load[i]) for i in group}
         self.limits = {i: tuple(self.steepness[i] * m.lift(of) for of in m.laws[i].breakaway(1.0)) for i in group}
         bodies = {i: m.equations.joints[m.equations.contacts[i]] for i in group}
         flat = all(contact.on is None for contact in bodies.values())
         self.alike = {i: [k for k in group if flat and bodies[k].body == bodies[i].body] for i in group}
-
-    def _per_load(self, i: int) -> tuple[Sym, Sym]:
-        """Friction for a load of one, forwards and backwards."""
-        forces, slip = [], self.parts.slip(i)
-        for side in (1.0, -1.0):
-            self.graph.assumed[slip.number] = side
-            forces.append(self.m.lift(self.m.laws[i].sliding(slip, 1.0)))
-        self.graph.assumed.clear()
-        return forces[0], forces[1]
 
     def solved(self, touching: Sequence[int], resting: Sequence[int], slide: dict[int, Any], gaps: Numbers, slips: Numbers) -> Bearing:
         """The forces with which gaps and slips keep what is asked, from their rates `gaps` and `slips` without them."""

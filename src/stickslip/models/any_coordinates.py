@@ -27,6 +27,7 @@ from stickslip.models.placed_contacts import PlacedContact
 from stickslip.models.placed_links import PlacedLink, links_of, shares
 from stickslip.models.rails import decides, pressed_while_sliding
 from stickslip.models.said_of_motion import Energies, inertia_of_machine, kinetic_of_machine, moving, places_of_machine
+from stickslip.models.whole_turns import is_angle
 
 GRAVITY = 9.81  # of a machine that does not say its own [m/s^2]
 _LOOKS = 8  # instants of a period at which applied forces are looked at for their size
@@ -77,6 +78,12 @@ class AnyCoordinates(Mechanics):
         return ends[0] in self.bodies and (ends[1] is None or ends[1] in self.bodies)
 
     # ---- what there is ----
+    @cached_property
+    def angles(self) -> tuple[str, ...]:
+        """Those that the machine names in `angles`, or else those that a whole turn leaves alone."""
+        said = self.model.angles
+        return tuple(said) if said is not None else tuple(name for name in self.bodies if is_angle(self.model, self.bodies, name))
+
     @property
     def coordinates(self) -> int:
         """As many as are named."""

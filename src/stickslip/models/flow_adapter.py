@@ -28,6 +28,7 @@ class FlowAdapter:
     turning_velocity: None = None
     unit_of_time: str = "unit of time"
     has_units: bool = False
+    angles: tuple[str, ...] = ()
 
     @property
     def has_displacement(self) -> bool:

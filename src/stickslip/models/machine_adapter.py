@@ -94,6 +94,11 @@ class MachineAdapter:
         return True
 
     @property
+    def angles(self) -> tuple[str, ...]:
+        """Names of its coordinates that are angles while others may be lengths."""
+        return self.mechanics.angles
+
+    @property
     def has_displacement(self) -> bool:
         """Whether it makes a way, and so has a mean velocity."""
         return True

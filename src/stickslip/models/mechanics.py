@@ -5,9 +5,10 @@ Everything here takes floats, arrays of cases or symbols, so that the plain inte
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import reduce
 from operator import add
+from types import MappingProxyType
 from typing import Any, Protocol
 
 import numpy as np
@@ -32,6 +33,7 @@ class Mechanics(Protocol):
     model: Any
     bodies: tuple[str, ...]
     contacts: tuple[str, ...]
+    joints: Mapping[str, Any] = MappingProxyType({})  # the same as declared; empty for one body on one contact
     stops: tuple[Any, ...] = ()  # those with restitution
     named_stops: Sequence[tuple[str, Any]] = ()  # all of them
     elastic: Sequence[tuple[Any, Any]] = ()  # links and elastic stops, with the bodies that they join
@@ -44,6 +46,11 @@ class Mechanics(Protocol):
     def has_places(self) -> bool:
         """Whether bodies are elsewhere than coordinates say, in a plane."""
         return False
+
+    @property
+    def angles(self) -> tuple[str, ...]:
+        """Names of the coordinates that are angles while others may be lengths."""
+        return ()
 
     @property
     def coordinates(self) -> int:

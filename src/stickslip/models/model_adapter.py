@@ -41,6 +41,10 @@ class ModelAdapter(Protocol):
         """Velocity at which one body on a spring turns back, that of the spring's far end [m/s]; None of anything else."""
 
     @property
+    def angles(self) -> tuple[str, ...]:
+        """Names of its coordinates that are angles while others may be lengths."""
+
+    @property
     def unit_of_time(self) -> str:
         """The unit of time, in words."""
 

@@ -12,6 +12,8 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from stickslip.basics.contracts import Numeric
 from stickslip.basics.fields import everywhere
 from stickslip.basics.maths import cos, sin, sqrt
@@ -99,7 +101,7 @@ class PlacedContact:
             return Nature(tuple(j for j, g in enumerate(self.row) if not is_nothing(g)), False, (True, False))
         draw, n = random.Random(20261129), len(self.mechanics.bodies)
         ways = [self.ways_at(tuple(draw.uniform(-0.9, 0.9) for _ in range(n))) for _ in range(_LOOKS)]
-        size = max(float(abs(part).max() if hasattr(part, "max") else abs(part)) for at in ways for way in at for part in way)
+        size = max(float(np.max(abs(part))) for at in ways for way in at for part in way)
 
         def is_there(part: Any) -> bool:
             return not everywhere(abs(part) <= _SAME * size)
