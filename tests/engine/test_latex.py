@@ -18,12 +18,32 @@ from rows import each_row
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.engine.latex_motion import _Parts
 from stickslip.engine.letters import expression_of, spread, symbol
-from stickslip.engine.tex import indices, letters_of, text_of
+from stickslip.engine.tex import dotted, indices, letters_of, letters_of_coordinates, text_of
 from stickslip.friction import LAWS
-from stickslip.maths import sin
+from stickslip.maths import cos, sin
 from stickslip.models.friction.law_adapter import adapted
 from stickslip.models.machine_adapter import machine_of
 from stickslip.show.reports.mathml import mathml
+
+
+@dataclass(frozen=True, eq=False)
+class OwnCoordinates(ss.Machine):
+    """A pendulum on a cart."""
+
+    length: float
+    tilt: float
+    friction: Any
+    coordinates = ("x", "theta")
+
+    def bodies(self):
+        return {"cart": ss.Body(1.0), "bob": ss.Body(0.1)}
+
+    def places(self, t, q):
+        return {"cart": (q["x"], 0.0), "bob": (q["x"] + self.length * sin(q["theta"]), -self.length * cos(q["theta"]))}
+
+    def contacts(self):
+        return {"rail": ss.Contact("x", self.friction, load=10.8 * cos(self.tilt))}
+
 
 DROPPED = ss.Chain((SHAKEN, SHAKEN.replace(drive=ss.drives.TwoPhase(stroke=0.01, u1=0.654, u2=0.654))), ss.machines.Rigid())
 MACHINES = {
@@ -94,6 +114,12 @@ def test_hits_belts_jumps_and_prescribed_distances_have_their_lines():
     assert r"x_{\mathrm{front}} - x_{\mathrm{rear}} &= A \sin{\left(\omega t \right)} + 0.1" in joined
     assert r"0.1 \ddot x_{\mathrm{front}} + 0.07 \ddot x_{\mathrm{rear}} &= - R_{\mathrm{front}} - R_{\mathrm{rear}}" in joined
     assert any(line.startswith(r"\Delta v_{2} &= ") for line in lines(DROPPED))
+    own = lines(OwnCoordinates(0.5, 0.1, DRY))
+    assert (
+        own[0]
+        == r"0.1 \ell \ddot \theta \cos{\left(\theta \right)} + 1.1 \ddot x &= 0.1 \ell \dot \theta^{2} \sin{\left(\theta \right)} - R"
+    )
+    assert r"N &= 10.8 \cos{\left(\mathrm{tilt} \right)}" in own  # theta is a coordinate there
 
 
 @each_row("name", MACHINES)
@@ -105,9 +131,11 @@ def test_the_equations_can_be_drawn(name):
     for line in lines(model, text):
         if "cases" not in line:
             draw.parse(f"${line.replace('&', '').replace(LE, LEQ)}$")  # mathtext knows it by its longer name
-    for body in machine_of(model).mechanics.bodies:
-        own = dict(zip(machine_of(model).mechanics.bodies, indices(machine_of(model).mechanics.bodies), strict=True))[body]
+    mechanics = machine_of(model).mechanics
+    for own in indices(mechanics.bodies) if not mechanics.joined else ():
         assert rf"\ddot x_{{{own}}}" in text if own else r"\ddot x " in text
+    for letter in letters_of_coordinates(mechanics.bodies) if mechanics.joined else ():
+        assert dotted("ddot", letter) in text and "x_{" not in text and "v_{" not in text.replace("v_{s}", "")
 
 
 @each_row("name", ["Chain, set-valued laws", "a machine of your own", "everything", "five"])

@@ -84,6 +84,9 @@ def test_steady_and_irregular_runs_have_no_note():
     rig = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[6e-4, 4e-4], mu0=[0.04, 0.05])  # period two; chaos
     many = ss.solve(rig, keep="summary", periods=400, settle=200)
     assert many.steadiness.tolist() == [STEADY, IRREGULAR] and many.notes == []
+    bench = ss.ForcedOscillator(mass=1.0, stiffness=1.0, force=1.0, omega=0.3, friction=ss.Coulomb(0.1, 0.1), damping=0.02)
+    symmetric = ss.sweep(bench, omega=[0.3, 0.6, 0.9])  # means are zero within rounding; nothing is relative to them
+    assert (symmetric.steadiness == STEADY).all() and abs(symmetric.mean_velocity).max() < 1e-9
     for amplitude, mu0, code in ((6e-4, 0.04, STEADY), (4e-4, 0.05, IRREGULAR)):
         run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=amplitude, mu0=mu0), periods=400, settle=200)
         assert run.steadiness.code == code and run.notes == run.model.notes

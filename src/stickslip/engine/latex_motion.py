@@ -12,11 +12,13 @@ from stickslip.basics.errors import InputError
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.engine.latex_laws import lines_of_law
 from stickslip.engine.letters import Formula, expression_of, spread, symbol
-from stickslip.engine.tex import Letters, indices, letters_of, subscripted, text_of
+from stickslip.engine.tex import Letters, dotted, indices, letters_of, letters_of_coordinates, subscripted, text_of
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.mechanics import Numbers, OneBody
 from stickslip.models.several_bodies import SeveralBodies
 
+#: What letters mean in equations of machines with coordinates of their own; z too, where a law has inner states.
+_MEANT = ("t", "v", "w", "R", "N", "F", "m", "h")
 _MANY = 4  # contacts of one block that are listed; of more, the first and the last
 
 
@@ -50,7 +52,7 @@ class _Parts(SeveralBodies):
 
 def lines_of_motion(model: Model) -> list[str]:
     """All lines of a machine; `InputError` if a part of it is no formula."""
-    letters = letters_of(model, [name for name, _ in leaves(model)])
+    letters = letters_of(model, [name for name, _ in leaves(model)], _own_coordinates(machine_of(model).mechanics))
     traced = replace_leaf(model, letters.symbols)
     single = machine_of(model).one_body is not None
     if len(machine_of(model).mechanics.flying) > 1:
@@ -72,6 +74,22 @@ def _states(own: list[str]) -> tuple[tuple[Formula, ...], tuple[Formula, ...]]:
     """Symbols of positions and velocities."""
     x, v = (tuple(symbol(subscripted(letter, index), 0) for index in own) for letter in ("x", "v"))
     return x, v
+
+
+def _own_coordinates(mechanics: Any) -> list[str]:
+    """The letters of coordinates of a machine's own; none of a machine of bodies on a line."""
+    if not mechanics.joined:
+        return []
+    inner = ("z",) if any(law.states for law in mechanics.laws) else ()
+    return letters_of_coordinates(mechanics.bodies, (*_MEANT, *inner))
+
+
+def _states_of(mechanics: Any) -> tuple[tuple[Formula, ...], tuple[Formula, ...]]:
+    """Symbols of positions and velocities of bodies, x and v with their index, or of coordinates of its own, with a dot on velocities."""
+    own = _own_coordinates(mechanics)
+    if not own:
+        return _states(indices(mechanics.bodies))
+    return tuple(symbol(letter, 0) for letter in own), tuple(symbol(dotted("dot", letter), 0) for letter in own)
 
 
 def _pull(index: dict[str, str], ends: tuple[str, str | None], before: list[Any]) -> Formula:
@@ -102,8 +120,8 @@ def _of_bodies(mechanics: Any) -> list[str]:
 
 def _of_coordinates_joined(mechanics: Any) -> list[str]:
     """The rows of the matrix of inertia times accelerations, one line for each coordinate, and what is on the other side."""
-    own, t = indices(mechanics.bodies), symbol("t", 0)
-    x, v = _states(own)
+    own, t = _own_coordinates(mechanics), symbol("t", 0)
+    x, v = _states_of(mechanics)
     R = tuple(symbol(subscripted("R", index), 0) for index in indices(mechanics.contacts))
     braked = [
         sum((expression_of(row[j]) * force.expression for row, force in zip(mechanics.rows(t, x), R, strict=True)), sympy.Integer(0))
@@ -117,8 +135,8 @@ def _of_coordinates_joined(mechanics: Any) -> list[str]:
             braked = [of - expression_of(up) * N for of, up in zip(braked, contact.heights_at(x), strict=True)]
     for row, force, brake in zip(mechanics.matrix(t, x), h, braked, strict=True):
         inertia = sum(
-            (sympy.trigsimp(sympy.expand(expression_of(entry))) * symbol(rf"\ddot {subscripted('x', index)}", 0).expression)
-            for entry, index in zip(row, own, strict=True)
+            (sympy.trigsimp(sympy.expand(expression_of(entry))) * symbol(dotted("ddot", letter), 0).expression)
+            for entry, letter in zip(row, own, strict=True)
         )
         lines.append(f"{text_of(inertia)} &= {text_of(sympy.trigsimp(sympy.expand(expression_of(force))) - brake)}")
     return lines
@@ -213,14 +231,14 @@ def _tension(pull: Any, distance: Any, rate: Any, letter: str) -> list[str]:
 def _of_contacts(mechanics: Any, letters: Letters) -> list[str]:
     """Slips, loads and laws; what differs in the numbers of its symbols alone stands once, with the index i."""
     own, t, bodies = indices(mechanics.contacts), symbol("t", 0), indices(mechanics.bodies)
-    x, v = _states(bodies)
+    x, v = _states_of(mechanics)
     given = list(zip(mechanics.laws, mechanics.slips(t, v, x), mechanics.loads(t, x, v, _held(mechanics)), own, strict=True))
     blocks = []
     for lines_of in (_slip_lines, _load_lines, _law_lines):
         by_text = dict[str, tuple[list[str], list[str]]]()
         for law, slip, load, index in given:
             alone = lines_of(law.law, Formula(expression_of(slip)), Formula(expression_of(load)), index, v)
-            turned = _states(["i" if each == index else each for each in bodies])[1]
+            turned = v if mechanics.joined else _states(["i" if each == index else each for each in bodies])[1]
             generic = lines_of(*_renumbered(letters, law.law, slip, load, index), turned)
             by_text.setdefault("\n".join(generic) if index else "", (alone, []))[1].append(index)
         blocks += [(alone if len(of) == 1 else generic.split("\n"), of) for generic, (alone, of) in by_text.items() if alone]

@@ -14,7 +14,10 @@ from stickslip.basics.fields import field_description
 from stickslip.engine.letters import Formula, Letter, expression_of, symbol
 
 _NAMES = {"plus": "+", "minus": "-", "load": "N"}
-_GREEK = ("mu", "sigma", "alpha", "beta", "gamma", "tau", "kappa", "omega", "theta")
+_GREEK = (
+    "mu", "sigma", "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "tau", "kappa", "lambda", "nu", "xi", "rho", "omega",
+    "theta", "phi", "varphi", "chi", "psi",
+)  # fmt: skip
 #: The letters of the numbers of robots, mechanisms, drives, tracks and links whose names are words.
 _LETTERS = {
     "body_mass": "M", "inner_mass": "m", "gravity": "g", "amplitude": "A", "tilt": r"\theta", "load": "N",
@@ -38,7 +41,7 @@ def text_of(value: Any) -> str:
     \frac{N v}{v + 1.2} - 0.8 v^{2}
     """
     text = _Printer().doprint(expression_of(value))
-    text = re.sub(r"(\\mathrm\{[^{}]*\}(?:_\{(?:[^{}]|\{[^{}]*\})*\})?) (?=[\\A-Za-z])(?!\\le|\\ge)", r"\1 \\, ", text)
+    text = re.sub(r"(\\mathrm\{[^{}]*\}(?:_\{(?:[^{}]|\{[^{}]*\})*\})?) (?=[\\A-Za-z])(?!\\le|\\ge|\\right)", r"\1 \\, ", text)
     return re.sub(r"(?<=[\w}]) (?=\\mathrm)", r" \\, ", text)
 
 
@@ -139,17 +142,42 @@ class Letters:
         return {s: symbol(self.numbered[s][0].replace("%s", index)).expression for s in symbols}
 
 
-def letters_of(record: Any, names: Iterable[str]) -> Letters:
-    """A symbol for each number of a record: its field's own (metadata "symbol"), else by its name.
+def letters_of_coordinates(names: Iterable[str], reserved: Iterable[str] = ()) -> list[str]:
+    r"""Letters of coordinates by their names; q with the name as index where the letter has another meaning in these equations.
+
+    Examples
+    --------
+    >>> letters_of_coordinates(["x", "theta1", "bend", "z"], reserved=["z"])
+    ['x', '\\theta_{1}', '\\mathrm{bend}', 'q_{z}']
+    """
+    letters, reserved = {name: subscripted(*letter_of(name)) if name not in _LETTERS else upright(name) for name in names}, tuple(reserved)
+    return [letter if letter not in reserved else subscripted("q", name) for name, letter in letters.items()]
+
+
+def dotted(dots: str, letter: str) -> str:
+    r"""A letter with its index below a dot or two.
+
+    Examples
+    --------
+    >>> dotted("dot", "x_{1}"), dotted("ddot", r"\mathrm{bend}")
+    ('\\dot x_{1}', '\\ddot{\\mathrm{bend}}')
+    """
+    stem, index = re.fullmatch(r"(\\mathrm\{[^{}]*\}|[^_]*)(.*)", letter).groups()  # type: ignore[union-attr]
+    return rf"\{dots}{{{stem}}}{index}" if "mathrm" in stem else rf"\{dots} {letter}"
+
+
+def letters_of(record: Any, names: Iterable[str], taken: Iterable[str] = ()) -> Letters:
+    """A symbol for each number of a record: its field's own (metadata "symbol"), else by its name; none of those that are taken.
 
     Numbers of tuples count from one. Names that would share a letter say whose they are, or are spelled out.
     """
+    taken = (*_TAKEN, *taken)
     ways = {name: _ways(record, name) for name in names}
     chosen: dict[str, str] = {}
     for length in range(3):
         tried = {name: forms[length].replace("%s", number) for name, (forms, number) in ways.items()}
         for name, text in tried.items():
-            is_own = list(tried.values()).count(text) == 1 and text not in _TAKEN and text not in _printed(chosen, ways)
+            is_own = list(tried.values()).count(text) == 1 and text not in taken and text not in _printed(chosen, ways)
             if name not in chosen and (is_own or length == 2):
                 chosen[name] = ways[name][0][length]
     symbols = {name: symbol(form.replace("%s", ways[name][1])) for name, form in chosen.items()}

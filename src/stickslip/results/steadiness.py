@@ -30,6 +30,8 @@ STEADINESS: dict[int, str] = {
 _LONGEST_SEARCH = 2000  # drive periods that `periodic_mean_velocity` runs at most, if no others are given
 _MOST_SEARCHED = 10**6  # drive periods that are still recommended
 _DECAYED = 1e-12  # what is left of a transient that has decayed, relative to what the drive does to a free body in a period
+#: A mean velocity below this part of the motion's own velocity is judged against that part: that of a symmetric machine is zero.
+_OF_MOTION = 1e-3
 _ALIKE = 0.1  # bodies drift apart if their distance grows evenly, to this part
 
 
@@ -51,7 +53,8 @@ class Steadiness:
     change : float
         By how much the velocity, averaged over a drive period, changed per period at the end of the run [m/s].
     tolerance : float
-        How far the mean velocity may be from the approached one, relative to it.
+        How far the mean velocity may be from the approached one, relative to it or, where that is smaller than a thousandth of the
+        velocity that the drive gives a body without friction, to this thousandth.
     advice : str
         What to type.
 
@@ -103,10 +106,17 @@ class Steadiness:
 
 
 def steadiness_codes(mean: ArrayLike, approached: ArrayLike, period: Any, free_velocity: Any, tolerance: Any) -> Any:
-    """Codes of steadiness from mean velocities and those that they approach [m/s]."""
+    """Codes of steadiness from mean velocities and those that they approach [m/s].
+
+    Examples
+    --------
+    >>> steadiness_codes([1e-11, 1e-6, 0.1], [0.0, 0.0, 0.1], [1, 1, 1], 1.0, 1e-6).tolist()
+    [0, 1, 0]
+    """
     mean, approached = np.asarray(mean, float), np.asarray(approached, float)
     with np.errstate(invalid="ignore"):
-        steady = (np.asarray(period) > 0) & recurrence.steady(mean, approached, free_velocity, tolerance)
+        within = recurrence.steady(mean, approached, free_velocity, tolerance)  # the rule by which kernels end a run; it is never looser
+        steady = (np.asarray(period) > 0) & (within | (abs(mean - approached) <= tolerance * _OF_MOTION * free_velocity))
     lasting = np.where(np.isnan(approached), IRREGULAR, UNSETTLED)
     return np.where(np.isfinite(mean), np.where(steady, STEADY, lasting), UNKNOWN).astype(np.int8)
 

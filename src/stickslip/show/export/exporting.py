@@ -12,6 +12,7 @@ from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError, Problems, as_path, did_you_mean
 from stickslip.basics.fields import checked_number
 from stickslip.basics.quantities import at_least, positive
+from stickslip.models.angular_coordinates import unit_of_part
 from stickslip.models.friction.law_adapter import is_law
 from stickslip.models.machine_adapter import is_machine, machine_of
 from stickslip.show.export.names import prefix_of
@@ -140,7 +141,7 @@ def export_law(
     own = given if is_law(given) else _only_law(given)
     if language == "mujoco" and load is None:
         load = _load_of(given)
-    return LANGUAGES[language](own, language, prefix_of(own, name), load, speeds, armature)
+    return LANGUAGES[language](own, language, prefix_of(own, name), load, speeds, armature, _units_of(given))
 
 
 def _check_range(speeds: Any, load: Any, armature: Any, problems: Problems) -> None:
@@ -192,14 +193,26 @@ def _toml(own: Any, language: str, name: str, *_: Any) -> ExportedLaw:
     return ExportedLaw(language, name, tomli_w.dumps({"robot": {"friction": part_to_table("friction", own)}}))
 
 
-def _mujoco(own: Any, language: str, name: str, load: Any, speeds: Any, armature: float) -> ExportedLaw:
+_OF_A_LAW = ("m/s", "N")
+
+
+def _units_of(given: Any) -> tuple[str, str]:
+    """Units of the slip velocity and of friction; a law does not know what it is in."""
+    if is_law(given):
+        return _OF_A_LAW
+    contact = machine_of(given).mechanics.contacts[0]
+    return unit_of_part("slip", given, contact), unit_of_part("friction_force", given, contact)
+
+
+def _mujoco(own: Any, language: str, name: str, load: Any, speeds: Any, armature: float, units: tuple[str, str]) -> ExportedLaw:
     from stickslip.show.export.mujoco import joint_friction, written_for_mujoco
 
     low, high = map(float, speeds)
-    fitted, lost = joint_friction(own, load, (low, high))
-    remark = f"{type(own).__name__} under a load of {load:.6g}, over speeds from {low:.4g} to {high:.4g} m/s both ways."
+    fitted, lost = joint_friction(own, load, (low, high), units)
+    remark = f"{type(own).__name__} under a load of {load:.6g}, over speeds from {low:.4g} to {high:.4g} {units[0]} both ways."
+    remark += " For a hinge read rad/s for m/s and N m for N." if units is _OF_A_LAW else ""
     numbers = fitted | {"armature": armature}
-    return ExportedLaw(language, name, written_for_mujoco(numbers, lost, name, remark), numbers, lost)
+    return ExportedLaw(language, name, written_for_mujoco(numbers, lost, name, remark, units[0]), numbers, lost)
 
 
 LANGUAGES: dict[str, Callable[..., ExportedLaw]] = {"c": _source, "matlab": _source, "octave": _source, "toml": _toml, "mujoco": _mujoco}
