@@ -127,7 +127,11 @@ def test_half_written_files_are_swept_up(whole, tmp_path):
     ss.sweep(RIG, **AXES, out=study)
     good = (study / "tiles" / "0000003.nc").read_bytes()
     os.remove(study / "tiles" / "0000007.nc")
-    assert np.flatnonzero(ss.open_study(study).status.values.ravel() == 101).tolist() == list(range(140, 160))
+    left = ss.open_study(study)
+    assert np.flatnonzero(left.status.values.ravel() == 101).tolist() == list(range(140, 160))
+    assert json.loads(left.notes) == {"not computed yet; resume=True (--resume) goes on": 20}
+    with pytest.raises(ss.InputError, match="holds results of this study already; type resume=True"):
+        ss.sweep(RIG, **AXES, out=study)
     (study / "tiles" / "0000003.nc").write_bytes(good[: len(good) // 2])  # a disk that lied about what it kept
     (study / "tiles" / ".0000004.nc.abc.part").write_bytes(b"half")
     with pytest.raises(ss.InputError, match=r"is damaged .* resume the sweep"):

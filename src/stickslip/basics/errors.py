@@ -122,6 +122,17 @@ class Problems:
             raise InputError(self.what, self.mistakes)
 
 
+def without_advice(sentence: str) -> str:
+    """A problem or a note without the parts that say what to type, for readers who do not type Python.
+
+    Examples
+    --------
+    >>> without_advice("the motion has not settled: no steady value is in sight; type more periods, such as periods=400")
+    'the motion has not settled: no steady value is in sight'
+    """
+    return "; ".join(part for part in sentence.split("; ") if not part.startswith("type "))
+
+
 def is_number(value: Any) -> bool:
     """Whether a value is one finite number, of Python or NumPy; True and False do not count.
 

@@ -157,7 +157,7 @@ def carried_out(plan: Plan, how: Execution) -> Any:
         return _in_memory(plan, how, crew, watch)
     from stickslip.studies.folder import StudyFolder
     from stickslip.studies.opening import open_study
-    from stickslip.studies.tiles import read_tile
+    from stickslip.studies.tiles import MISSING, read_tile
 
     study = StudyFolder.begin(Path(out), plan, resume=how.resume, shard=how.shard, keep=not crew.elsewhere and plan.along is None)
     watch.resumed(sum(len(range(*plan.bounds(k))) for k in study.done))
@@ -169,13 +169,15 @@ def carried_out(plan: Plan, how: Execution) -> Any:
             study.write(k, columns, notes, models)
             watch.finished(k, columns["status"])
     study.finish()
-    grid, more = open_study(out), dict[str, int]()
+    grid = open_study(out)
+    notes = json.loads(grid.attrs.pop("notes", "{}"))
+    missing = notes.pop(MISSING, 0)  # of a shard that is complete, the others are at work on it
     if study.unmade:
-        more[study.unmade] = plan.cases
+        notes[study.unmade] = plan.cases
     if ending.interrupted:
-        more[ending.note("not computed; resume=True (--resume) goes on")] = plan.cases - int(watch.now().done)
-    if more:
-        grid = grid.assign_attrs(notes=json.dumps(json.loads(grid.attrs.get("notes", "{}")) | more, ensure_ascii=False))
+        notes[ending.note(MISSING)] = missing
+    if notes:
+        grid.attrs["notes"] = json.dumps(notes, ensure_ascii=False)
     if ending.interrupted:
         return grid
     if study.ours and all(all_failed(read_tile(study.folder, study.manifest, k, ["status"])["status"]) for k in study.ours):

@@ -131,13 +131,20 @@ def read_tile(folder: Path, manifest: dict[str, Any], k: int, names: list[str]) 
         raise InputError("study", [f"{what}; delete it and resume the sweep (resume=True, --resume), which computes it again"]) from None
 
 
+#: The note of `open_study` on cases of tiles that do not exist.
+MISSING = "not computed yet; resume=True (--resume) goes on"
+
+
 def tile_notes(folder: Path, manifest: dict[str, Any]) -> dict[str, int]:
-    """Errors and remarks, counted over all tiles."""
+    """Errors and remarks, counted over all tiles, and the number of cases that are not computed yet."""
     notes = Counter[str]()
     for k in range(int(manifest["tiles"])):
         try:
             notes.update(read_sealed(file_of(folder, k), mark_of(manifest, f"tile {k}"), _notes_in, models_of(manifest, k)))
-        except (FileNotFoundError, Damaged):  # reported when its numbers are read
+        except FileNotFoundError:
+            first, last = _cases(manifest, k)
+            notes[MISSING] += last - first
+        except Damaged:  # reported when its numbers are read
             continue
     return notes
 

@@ -10,7 +10,7 @@ import threading
 from typing import Any
 
 from stickslip.basics.child_process import ChildEnded, ChildProcess, serve
-from stickslip.basics.errors import StickslipError
+from stickslip.basics.errors import StickslipError, without_advice
 from stickslip.show.explorer.frames import encoded
 
 #: Time limit of a fit [s], the memory of its process [bytes] beside its libraries, and how many are under way at once.
@@ -93,12 +93,10 @@ def problems(*sentences: str) -> bytes:
 
 # ---- in the process ----
 def _answer(wish: dict[str, Any], data: bytes) -> bytes:
-    from stickslip.show.explorer.responses import without_python
-
     try:
         return encoded(_fitted(wish, data))
     except StickslipError as error:
-        return problems(*(without_python(p.partition("\n")[0]) for p in getattr(error, "problems", [str(error)])))
+        return problems(*(without_advice(p.partition("\n")[0]) for p in getattr(error, "problems", [str(error)])))
     except MemoryError:
         return problems("the fit needs more memory than is allowed here; cut the record, or fit it with stickslip fit")
     except Exception as error:  # an internal error is reported, and the page stays usable

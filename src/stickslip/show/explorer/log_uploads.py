@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.errors import InputError, StickslipError
+from stickslip.basics.errors import InputError, StickslipError, without_advice
 from stickslip.basics.units import quantity_of
 from stickslip.inverse.logs.kinds import kinds_for
 from stickslip.inverse.logs.plan import Plan, plan_of
@@ -20,7 +20,6 @@ from stickslip.records.channel import ROLES, UNUSED, Channel
 from stickslip.show.explorer.dropped_records import file_name, read_upload
 from stickslip.show.explorer.frames import encoded
 from stickslip.show.explorer.log_choices import Choices, choices_of
-from stickslip.show.explorer.responses import without_python
 
 _SUGGESTED = "suggested by its name and its size: check it"
 _ORIGIN = ("format", "bytes", "sha256", "dialect")
@@ -48,12 +47,12 @@ def plan_response(name: str, data: bytes, wish: Any) -> bytes:
     except StickslipError as error:
         problem = problem or str(error)
     laws = [] if plan.kind is None else [*plan.kind.laws, *plan.kind.richer]
-    notes = dict.fromkeys(without_python(note) for record in records for note in record.notes)
+    notes = dict.fromkeys(without_advice(note) for record in records for note in record.notes)
     return encoded({
         "kind": "plan", "channels": _axes(records, suggested) + _channels(plan, records, suggested), "roles": [*ROLES, UNUSED],
         "units": choices.units | suggested, "machine": plan.kind.name if plan.kind else "", "machines": kinds, "why": plan.why,
         "numbers": _numbers(plan, assumed), "laws": laws, "beside": _belongs_beside_curves(plan, records[0]),
-        "problem": without_python(problem), "notes": list(notes),
+        "problem": without_advice(problem), "notes": list(notes),
     })  # fmt: skip
 
 

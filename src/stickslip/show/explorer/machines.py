@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
-from stickslip.basics.errors import InputError, Problems, did_you_mean
+from stickslip.basics.errors import InputError, Problems, did_you_mean, without_advice
 from stickslip.basics.fields import field_description, leaves
 from stickslip.basics.quantities import symbol_text
 from stickslip.basics.variables import unit_of
@@ -199,7 +199,7 @@ def picture(shown: Shown, fine: bool, model: Any, progress: Callable[[int, int],
     data["speeds"] = {name: unit_of_part("v", run.model, name) for name in run.body_columns}
     data["mean_velocity"] = {name: mean_of(run, name) for name in run.body_columns}
     if fine:
-        data |= {"facts": facts(run), "tables": tables(run), "notes": [*shown.notes, *run.notes]}
+        data |= {"facts": facts(run), "tables": tables(run), "notes": [without_advice(note) for note in (*shown.notes, *run.notes)]}
     return data
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from stickslip.analysis.motion import motion
 from stickslip.analysis.steady import mean_velocity
-from stickslip.basics.errors import InputError, StickslipError
+from stickslip.basics.errors import InputError, StickslipError, without_advice
 from stickslip.engine.remembered import Remembered
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.show.explorer.chaos import exponent_of
@@ -73,16 +73,11 @@ def answer(asked: Message, kernels: Kernels, stop: IsCancelled, shown: Shown | N
             channels: dict[str, Callable[..., Any]] = {"curves": curves, "map": map_of, "strip": strip_of, "exponent": exponent_of}
             response = channels[asked.channel](asked, kernels, stop)
     except InputError as error:
-        response = {"kind": "problems", "problems": [without_python(p) for p in error.problems]}, {}
+        response = {"kind": "problems", "problems": [without_advice(p) for p in error.problems]}, {}
     except StickslipError as error:
         response = {"kind": "problems", "problems": [str(error)]}, {}
     header, arrays = response
     return encoded({**head, **header}, arrays)
-
-
-def without_python(problem: str) -> str:
-    """A problem as the page shows it, without the advice on Python code."""
-    return "; ".join(part for part in problem.split("; ") if not part.startswith("type "))
 
 
 def _machine(asked: Message, kernels: Kernels, stop: IsCancelled, shown: Shown | None) -> dict[str, Any]:
@@ -199,7 +194,8 @@ def _figures(run: Any) -> dict[str, Any]:
         "mean_velocity": float(mean_velocity(run)), "motion_type": m.type, "pattern": m.pattern, "margin": m.margin,
         "period_number": m.period, "direction": m.direction, "stick_fraction": m.stick_fraction,
         "forward_fraction": m.forward_fraction, "backward_fraction": m.backward_fraction,
-        "status": run.status, "periods": run.periods, "method": run.method, "notes": list(run.notes), "steadiness": run.steadiness.word,
+        "status": run.status, "periods": run.periods, "method": run.method, "notes": [without_advice(note) for note in run.notes],
+        "steadiness": run.steadiness.word,
     }  # fmt: skip
 
 

@@ -9,9 +9,8 @@ import contextlib
 from typing import Any
 
 from stickslip.basics.child_process import ChildEnded, ChildProcess, serve
-from stickslip.basics.errors import InputError
+from stickslip.basics.errors import InputError, without_advice
 from stickslip.show.explorer.frames import encoded
-from stickslip.show.explorer.responses import without_python
 
 #: Memory of a reading process beside its libraries [bytes].
 _MEMORY = 3 << 30
@@ -77,7 +76,7 @@ def _answer(wish: dict[str, Any], data: bytes) -> bytes:
             return of_logs[wish["what"]](wish["name"], data, wish["choices"])
         return {"velocity": velocity_response, "drive": drive_response}[wish["what"]](wish["name"], data)
     except InputError as error:
-        problems = [without_python(p) for p in error.problems]
+        problems = [without_advice(p) for p in error.problems]
     except MemoryError:
         problems = ["the record needs more memory than is allowed here; cut it, or read it with stickslip.read"]
     except Exception as error:  # an internal error is reported, and the page stays usable

@@ -28,13 +28,13 @@ example: stickslip export-law lugre mu_plus=0.16 --as c --out friction.h""",
         argument("--as", metavar="LANGUAGE", default="c", dest="language", help="c, matlab, octave, toml, mujoco (default c)"),
         argument("--name", metavar="NAME", help="name of the functions or the joint (default: the law's name)"),
         argument("--load", metavar="N", type=float, help="for mujoco: load on the contact [N]"),
-        argument("--speeds", metavar="A..B", help="for mujoco: slowest and fastest [m/s]"),
+        argument("--speeds", metavar="A..B", help="for mujoco: slowest and fastest [m/s, of a hinge rad/s]"),
         argument("--armature", metavar="J", type=float, default=0.0, help="for mujoco: inertia of the rotor at the joint [kg m^2]"),
         argument("--out", metavar="FILE", ends=(".c", ".h", ".m", ".toml", ".xml"), help="write the text there (default: print it)"),
     ),
     example="""\
 $ stickslip export-law coulomb mu_plus=0.16 mu_minus=0.16 f_plus=0.2 f_minus=0.2 --as mujoco --speeds 1e-3..0.1
-<!-- Coulomb under a load of 1, over speeds from 0.001 to 0.1 m/s both ways. Largest error of steady friction 0, 0.00% of the law's largest there, at 0.001 m/s. Not in it: break-away, up to 0.2 N. -->
+<!-- Coulomb under a load of 1, over speeds from 0.001 to 0.1 m/s both ways. For a hinge read rad/s for m/s and N m for N. Largest error of steady friction 0, 0.00% of the law's largest there, at 0.001 m/s. Not in it: break-away, up to 0.2 N. -->
 <joint name="coulomb" frictionloss="0.16" damping="0" armature="0"/>
 $ stickslip export-law lugre --as toml
 [robot.friction]
