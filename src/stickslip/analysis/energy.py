@@ -291,5 +291,14 @@ def _residual(run: Trajectory, works: dict[str, Array], gross: list[Array], low:
     largest = exchanged.max(initial=0.0)
     scale = np.where(np.arange(count) < settle, largest, exchanged[settle:].max(initial=0.0))
     floor = max(_FLOOR, float(run.rtol)) * max(largest, high.max(initial=0.0))
+    nothing = (missing == 0) | (np.maximum(scale, floor) <= _of_rounding(run))
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(missing == 0, 0.0, missing / np.maximum(scale, floor))
+        return np.where(nothing, 0.0, missing / np.maximum(scale, floor))
+
+
+def _of_rounding(run: Trajectory) -> float:
+    """What rounding of the forces that hold a machine at rest may make of its energy by the end of a run [J]."""
+    mechanics, machine = machine_of(run.model).mechanics, machine_of(run.model)
+    x, span = run._states_at(run.pieces.t[:1], np.zeros(1, int))[0], float(run.pieces.t[-1])
+    at_speed = mechanics.kinetic(np.full(x.shape, float(machine.velocity_scale)), x)
+    return float(64 * np.finfo(float).eps * np.max(at_speed) * max(1.0, span / float(machine.time_scale or 1.0)) ** 2)
