@@ -65,8 +65,8 @@ def flight_of(parts: Assembly, i: int) -> Flight:
     parts.rates += [graph.select(aloft, rate, zero), graph.select(aloft, m.rising(i), zero)]
     parts.scales += [speed * m.period(m.model), speed]
     height, struck = m.equations.heights(m.t, m.places, m.v)[m.equations.contacts[i]], m.struck(i)
-    lever = tuple(m.lift(moved) / m.lift(struck.across) for moved in struck.moved_across)
-    return Flight(number, aloft, first, (begin, begin + 1), tuple(map(m.lift, height)), lever)
+    moved = (tuple(map(m.lift, of)) for of in (struck.moved_across, struck.moved_along))
+    return Flight(number, aloft, first, (begin, begin + 1), tuple(map(m.lift, height)), *moved)
 
 
 def _add_hit(parts: Assembly, i: int, flight: Flight, box: Box, up: Sym) -> None:

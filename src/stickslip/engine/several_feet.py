@@ -246,7 +246,7 @@ def add_several(parts: Assembly, group: list[int], speeds: list[Sym | None]) -> 
         inner, row = flights[i].inner, m.weighted(i)
         state = m.owner.index(i) if i in m.owner else None
         contact = TracedContact(name, m.slips[i], m.directions[i], state, None, inner, (i,), branches, speeds[i], False, row=row)
-        parts.contacts.append(replace(contact, flight=flights[i]))
+        parts.contacts.append(replace(contact, flight=replace(flights[i], together=tuple(feet.alike[i]))))
     parts.events += [(guard, {}, {}, Status.PAINLEVE) for guard in (graph.select(lost, -one, one), feet.border(aloft, modes))]
     speed = _STILL * m.lift(m.machine.velocity_scale)
     flies = {i: graph.select(parts.inner[f.inner[0] - len(m.y)], one, graph.select(_rate(parts, f), one, zero)) for i, f in flights.items()}

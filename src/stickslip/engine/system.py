@@ -48,7 +48,9 @@ class Flight:
     first: Sym  # what it begins with
     inner: tuple[int, int]  # numbers of the states that are the gap and its rate
     point: tuple[Sym, ...] = ()  # the same two of a point of a body in the plane, as coordinates have them
-    lever: tuple[Sym, ...] = ()  # and how the coordinates change where its height alone does, by 1
+    across: tuple[Any, ...] = ()  # how the coordinates change by a unit of impulse upwards
+    along: tuple[Any, ...] = ()  # and by one forwards
+    together: tuple[int, ...] = ()  # contacts that slip as one while they touch, itself among them
 
 
 @dataclass(frozen=True)

@@ -19,19 +19,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import reduce
-from operator import add
 from types import MappingProxyType
-from typing import Any
 
 from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.engine.graphs import Along, Substituted
 from stickslip.engine.observed import MEAN
+from stickslip.engine.settled_changes import changes_of_landing, settled_changes
 from stickslip.engine.symbols import Sym, is_zero
-from stickslip.engine.system import System, TracedContact, TracedSwitch
+from stickslip.engine.system import System, TracedSwitch
 from stickslip.engine.taylor import watched
 from stickslip.engine.values import needed_by
-from stickslip.models.mechanics import brakes_one
 
 #: The number of a case that is the part of the period at which a run ends.
 PART = "part of the period"
@@ -89,7 +86,7 @@ def tangent(system: System, wrt: Iterable[str] | None = None, integrals: Mapping
         carried=tuple(rates),
         delays=tuple(given),
         kicks=tuple(tuple(map(along.of, jumps)) for _, jumps in system.impulses),
-        settled=_settled(system, changes, along),
+        settled=settled_changes(system, changes, along),
         forgetting=_forgetting(system, along),
     )
 
@@ -309,6 +306,11 @@ def _saltation(system: System, k: int, rows: list[Sym], rates: list[Sym], change
     at = _crossing(system, k, rows, rates)
     tau = _later(system, system.guards[k], at.falls, along.of(system.guards[k]), late)
     moved = [along.of(row) - jump * tau for row, jump in zip(at.rows, at.jumps, strict=True)]
+    states = {y.name: row for y, row in zip(system.y, at.rows, strict=False)} | {
+        f"d {y.name}": S for y, S in zip(system.y, moved, strict=False)
+    }
+    landed = changes_of_landing(system, k, states, old.modes, along)
+    moved = [landed.get(f"d {y.name}", S) for y, S in zip(rows, moved, strict=False)]
     new = [None if after is S else after for after, S in zip(moved, changes, strict=True)]
     kept = (None,) * (len(rows) - len(_rows(system)[0]))  # integrals go on
     return TracedSwitch(old.modes, (*old.states, *new, tau, *kept), old.status)
@@ -331,46 +333,6 @@ def _forgetting(system: System, along: Along) -> dict[int, Sym]:
     """Changes after the law of one contact loses its memory because an impulse has reversed the velocity."""
     resets = system.switches[0].states if system.dynamic and 0 in system.switches else ()
     return {system.states + i: along.of(new) for i, new in enumerate(resets) if new is not None}
-
-
-def _settled(system: System, changes: list[Sym], along: Along) -> dict[int, Sym]:
-    """The changes of velocities at a start: a contact that rests there has none of its slip."""
-    graph, exact = system.graph, [contact for contact in system.contacts if contact.branches is not None]
-    now: dict[int, Sym] = {}
-    first = system.states
-    for _ in exact if any(not brakes_one(contact.direction) for contact in exact) else exact[:1]:  # bodies on bodies pass it on
-        for contact in exact:
-            (number,) = contact.modes
-            slips = Substituted(graph, {changes[i - first].name: new for i, new in now.items()}).of(along.of(contact.slip))
-            for j, part in _parts_of_slip(contact).items():
-                old = now.get(first + j, changes[j])
-                now[first + j] = graph.by_side(system.modes[number], old, old, old - slips * part)
-    if len(system.heights) > 1:
-        raise InputError(
-            "changes along runs",
-            [
-                "several points on ground that pushes are not followed yet, as gradients, orbits with multipliers and exponents ask for; "
-                "allowed is one such point; type ss.solve or ss.sweep, and differences of runs"
-            ],
-        )
-    for flight in (contact.flight for contact in exact if contact.flight is not None):  # a gap that is closed stays closed
-        own = tuple(map(along.of, flight.point)) or tuple(changes[k] for k in flight.inner)
-        now |= {first + k: graph.select(flight.aloft, of, graph.constant(0.0)) for k, of in zip(flight.inner, own, strict=True)}
-        places = system.positions
-        for k, by in enumerate(flight.lever):  # a point on the ground stays on it
-            for j, height in ((k, own[1]), (places[k], own[0])):
-                old = now.get(first + j, changes[j])
-                now[first + j] = graph.select(flight.aloft, old, old - height * by)
-    return now
-
-
-def _parts_of_slip(contact: TracedContact) -> dict[int, Any]:
-    """By coordinate what its velocity has to give so that a contact does not slip, as a part of the slip."""
-    if not contact.row:
-        return {contact.direction.index(1.0): 1.0}
-    taken = {j: contact.taken(j) for j, g in enumerate(contact.direction) if g}
-    size = reduce(add, [g * g for g in taken.values()])
-    return {j: g / size for j, g in taken.items()}
 
 
 def _size(node: Sym) -> Sym:

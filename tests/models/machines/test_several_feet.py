@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from dataclasses import dataclass
 from typing import Any
@@ -14,6 +15,11 @@ import stickslip as ss
 from feet_by_hand import TwoFeet
 from rows import each_row
 from stickslip.basics.errors import InputError, SolveError
+from stickslip.basics.fields import leaves
+from stickslip.engine.tangent import tangent
+from stickslip.engine.trace import trace
+from stickslip.engine.values import values_of
+from stickslip.maths import cos, sin
 
 G, HALF = 9.81, 0.1
 
@@ -118,11 +124,8 @@ def test_batches_and_simulations_know_two_feet():
 
 def test_what_does_not_know_several_feet_says_so():
     rocks, start = block(1.0, 0.0, 0.5), leaning(0.1, 0.5)
-    run = ss.solve(rocks, duration=0.3, start=start)
     with pytest.raises(SolveError, match=re.escape('method="exact"')):
         ss.solve(rocks, duration=0.1, start=start, method="dop853")
-    with pytest.raises(InputError, match="several points on ground that pushes are not followed yet"):
-        ss.dynamics.sensitivity(run, wrt=["half"])
     with pytest.raises(InputError, match="allowed is one such point"):
         ss.latex(rocks)
 
@@ -138,6 +141,102 @@ def test_what_does_not_know_several_feet_says_so():
 
     with pytest.raises(InputError, match="or one of two points that push"):
         type("Three", (Block,), {"contacts": three})(HALF, 0.5, ss.Coulomb(0.1, 0.1), 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Shaken(Block):
+    """The block, from its base on, shaken along and across."""
+
+    push: float
+    lift: float
+    omega: float
+
+    @property
+    def period(self):
+        return 2 * np.pi / self.omega
+
+    def bodies(self):
+        shaken = lambda t, x, v: (self.push * sin(self.omega * t), self.lift * cos(self.omega * t), 0.0)  # noqa: E731
+        return {"block": ss.Body(1.0, inertia=(self.half**2 + self.tall**2) / 3, force=shaken)}
+
+    def places(self, t, q):
+        return {"block": (q["x"], q["z"] + self.tall, q["angle"])}
+
+
+def test_small_changes_of_a_start_stay_on_the_ground():
+    """On both corners, of which one or both rest: any change is taken to one that lifts none of what touches and slips with none of it."""
+    system = trace(block(0.5, 0.0, 0.3))
+    settled, (names, angle) = tangent(system, ()).settled, ([y.name for y in system.y], 0.3)
+    rng = np.random.default_rng(1)
+    a, d = HALF * np.array([-1.0, 1.0]), -0.3
+    x, z = a * np.cos(angle) - d * np.sin(angle), a * np.sin(angle) + d * np.cos(angle)
+    v, S = rng.normal(size=3), dict(zip(names, rng.normal(size=len(names)), strict=True))
+    known = {y.name: 0.0 for y in system.y} | {
+        "half": HALF,
+        "tall": 0.3,
+        "restitution": 0.0,
+        "friction.mu_plus": 0.5,
+        "friction.mu_minus": 0.5,
+    }
+    known |= dict(zip([names[k] for k in (*range(3), *system.positions)], [*v, 0.0, 0.4, angle], strict=True)) | {
+        f"d {n}": S[n] for n in names
+    }
+    for flies, rests in itertools.product([(0, 0), (0, 1), (1, 0)], [(1, 1), (0, 1)]):
+        modes = dict.fromkeys([mode.name for mode in system.modes], 0.0)
+        for k, contact in enumerate(system.contacts):
+            modes |= {contact.flight.aloft.name: flies[k], system.modes[contact.modes[0]].name: float(rests[k])}
+        values = values_of(system.graph, known | modes, settled.values())
+        new = S | {names[k - system.states]: values[of.number] for k, of in settled.items()}
+        dv, dq = (np.array([new[names[k]] for k in of]) for of in (range(3), system.positions))
+        for k in range(2):
+            height, rate = np.array([0.0, 1.0, x[k]]) @ dq, np.array([0.0, 1.0, x[k]]) @ dv - z[k] * v[2] * dq[2]
+            slip = np.array([1.0, 0.0, -z[k]]) @ dv - x[k] * v[2] * dq[2]
+            gap, gains = (new[names[i]] for i in system.contacts[k].flight.inner)
+            assert abs(height - gap) < 1e-12 and abs(rate - gains) < 1e-12 and (flies[k] or gap == gains == 0.0)
+            assert flies[k] or rests[k] or abs(slip) < 1e-12
+
+
+@pytest.mark.slow
+def test_gradients_and_multipliers_of_two_feet():
+    """Through hits, rests and take-offs: derivatives as differences, multipliers as those of a program by hand."""
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        mu, tilt, wrt = rng.uniform(0.1, 1.0), rng.choice([0.0, 0.2]), ["push", "half", "tall", "friction.mu_plus", "omega"]
+        machine = Shaken(
+            HALF, rng.uniform(0.05, 0.3), ss.Coulomb(mu, mu), rng.choice([0.0, 0.3]), rng.uniform(2, 9), rng.uniform(0, 14), 20.0
+        )
+        low = HALF * np.sin(tilt) - machine.tall * (1 - np.cos(tilt))
+        start = {"x": {"angle": tilt, "z": low + 0.05 * (tilt > 0)}, "v": {"x": rng.normal() * (tilt == 0)}}
+        found = ss.dynamics.sensitivity(ss.solve(machine, periods=2, start=start), wrt=wrt)
+        for name, slopes in zip(wrt, found.state, strict=True):
+            value = dict(leaves(machine))[name]
+            near = [ss.solve(machine.replace({name: value * (1 + h)}), periods=2, start=start) for h in (1e-6, -1e-6)]
+            far = np.subtract(*[np.r_[run.v[-1], run.x[-1, 1:]] for run in near]) / (2e-6 * value)
+            assert np.allclose(slopes, far, rtol=1e-5, atol=1e-5), (seed, name)
+
+    push, lift, omega, tall, mu = 8.0, 3.0, 25.0, 0.2, 0.9
+    orbit = ss.periodic_orbit(
+        Shaken(HALF, tall, ss.Coulomb(mu, mu), 0.0, push, lift, omega), guess=[-0.25, 0.11, 1.22, 0.2 + 0.0034, 0.035]
+    )
+    side = 1 if orbit.state[4] < 0 else -1
+    hand = TwoFeet(
+        [(-HALF, -tall), (HALF, -tall)],
+        (HALF**2 + tall**2) / 3,
+        mu,
+        0.0,
+        lambda t, q, v: (push * np.sin(omega * t), lift * np.cos(omega * t), 0.0),
+    )
+
+    def returned(u):
+        along, rate, tilt = u
+        x, z = side * HALF * np.cos(tilt) + tall * np.sin(tilt), side * HALF * np.sin(tilt) - tall * np.cos(tilt)
+        _, y = hand.run(np.array([0.0, -z, tilt, along, -x * rate, rate]), 2 * np.pi / omega)
+        return y[[3, 5, 2]]
+
+    here = np.array([orbit.state[0], orbit.state[2], orbit.state[4]])
+    slopes = np.array([(returned(here + h) - returned(here - h)) / 2e-6 for h in 1e-6 * np.eye(3)]).T
+    assert np.allclose(returned(here), here, rtol=0, atol=1e-10)
+    assert np.allclose(np.sort(abs(np.linalg.eigvals(slopes)))[1:], np.sort(abs(orbit.multipliers))[-2:], rtol=1e-6)
 
 
 @pytest.mark.slow
