@@ -1,4 +1,8 @@
-"""Whether a coordinate of a machine is an angle: a whole turn of it changes nothing that the machine says, and a part of a turn does."""
+"""Whether a coordinate of a machine is an angle: a whole turn of it changes nothing that the machine says, or a body turns with it.
+
+A wheel that rolls is elsewhere after a turn. Its coordinate is its angle where the body's angle grows as the coordinate does, whatever
+the numbers of the machine are; where a place along x or y grows so, as of a wheel in the coordinate of its hub, it is a length.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.contracts import Array
+from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.basics.maths import pi
 from stickslip.models.said_of_motion import inertia_of_machine, kinetic_of_machine, places_of_machine
 
@@ -15,6 +20,36 @@ _NEAR = 1e-9  # relative: numbers that are closer are the same
 
 
 def is_angle(model: Any, names: tuple[str, ...], name: str) -> bool:
+    """Whether a coordinate is an angle."""
+    return _turns_a_body(model, names, name) or _comes_again(model, names, name)
+
+
+def _turns_a_body(model: Any, names: tuple[str, ...], name: str) -> bool:
+    """Whether the angle of a body grows as the coordinate does with any numbers of the machine, and no place along x or y does."""
+    draw, numbers = np.random.default_rng(0), {key: float(np.ravel(value)[0]) for key, value in leaves(model) if np.size(value)}
+    turned, moved = list[Array](), list[Array]()
+    for _ in range(2):
+        other = replace_leaf(model, {key: number * draw.uniform(1.1, 1.9) for key, number in numbers.items()})
+        q = dict(zip(names, draw.uniform(0.2, 0.9, len(names)).tolist(), strict=True))
+        try:
+            ahead, behind = ([*_places(other, {**q, name: q[name] + step})] for step in (0.5, -0.5))
+        except (ValueError, ArithmeticError):  # a root of a negative number, say: these numbers make no machine
+            return False
+        slopes = [np.abs(a - b) for a, b in zip(ahead, behind, strict=True)]
+        turned.append(np.array([slope[2] for slope in slopes if len(slope) == 3]))
+        moved.append(np.array([each for slope in slopes for each in slope[:2]]))
+    as_it = [np.all([np.abs(slope - 1.0) <= _NEAR for slope in of], axis=0) for of in (turned, moved)]
+    return bool(as_it[0].any() and not as_it[1].any())
+
+
+def _places(model: Any, q: dict[str, float]) -> list[Array]:
+    """The places of bodies in the plane, with their angles where they are said."""
+    places = places_of_machine(model, 0.0, q)
+    given = places.values() if isinstance(places, Mapping) else ()
+    return [np.asarray(where, float) for where in given if isinstance(where, tuple)]
+
+
+def _comes_again(model: Any, names: tuple[str, ...], name: str) -> bool:
     """Whether a whole turn of a coordinate leaves everything where it is, and a part of a turn does not."""
     draw, changes = np.random.default_rng(0), False
     for _ in range(2):

@@ -10,8 +10,10 @@ import pytest
 
 import stickslip as ss
 from rows import each_row
-from stickslip.maths import cos, sin
+from stickslip.dynamics.stroboscopic.turning_coordinates import turning
+from stickslip.maths import cos, pi, sin
 from stickslip.models.angular_coordinates import angles_of, unit_of_part
+from stickslip.models.machine_adapter import machine_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,16 +58,79 @@ class Wire(Hung):
         return {"cart": (q["x"], 0.01 * sin(40.0 * q["x"])), "bob": (q["angle"], 0.0)}
 
 
+class Wheel(Hung):
+    """It rolls: after a turn it is elsewhere."""
+
+    coordinates = ("phi",)
+
+    def bodies(self):
+        return {"wheel": ss.Body(1.0, inertia=0.1)}
+
+    def places(self, t, q):
+        return {"wheel": (self.length * q["phi"], self.length, q["phi"])}
+
+    def contacts(self):
+        return {}
+
+
+class ByItsHub(Wheel):
+    """The same wheel by the place of its hub, with a radius of one."""
+
+    coordinates = ("x",)
+
+    def places(self, t, q):
+        return {"wheel": (q["x"], self.length, q["x"] / self.length)}
+
+
 class Said(Wire):
     angles = ("x",)
 
 
 @each_row(
     ("machine", "angles"),
-    [(Hung(), ("angle",)), (Kinetic(), ("angle",)), (Rod(), ("angle",)), (Wire(), ()), (Said(), ("x",)), (ss.Chain.example(), ())],
+    [
+        *((machine, ("angle",)) for machine in (Hung(), Kinetic(), Rod())),
+        *((machine, ()) for machine in (Wire(), ss.Chain.example(), ByItsHub(1.0))),
+        *((machine, ("phi",)) for machine in (Wheel(), Wheel(1.0))),
+        (Said(), ("x",)),
+    ],
 )
-def test_what_a_whole_turn_leaves_alone_is_an_angle(machine, angles):
+def test_what_a_whole_turn_leaves_alone_or_turns_a_body_is_an_angle(machine, angles):
     assert angles_of(machine) == angles
+
+
+@dataclass(frozen=True, eq=False)
+class Pole(Hung):
+    """Pushed to and fro."""
+
+    push: float = 20.0
+    omega: float = 3.0
+
+    @property
+    def period(self):
+        return 2 * pi / self.omega
+
+    def forces(self, t, q, u):
+        return {"x": self.push * cos(self.omega * t), "angle": -0.3 * u["angle"]}
+
+    def contacts(self):
+        return {"rail": ss.Contact("cart", ss.Coulomb(0.1, 0.1), load=13.0)}
+
+
+class Sprung(Pole):
+    """Its torsion spring tells one turn from the next."""
+
+    angles = ("angle",)
+
+    def forces(self, t, q, u):
+        return {**super().forces(t, q, u), "angle": -2.0 * q["angle"]}
+
+
+def test_motions_whole_turns_apart_are_one_attractor():
+    starts = {"v.angle": [0.0], "x.angle": [0.5, 0.5 + 2 * pi, 0.5 - 4 * pi]}
+    (only,) = ss.basins(Pole(), **starts).attractors
+    assert only.share == 1.0
+    assert turning(machine_of(Pole())) == (1,) and turning(machine_of(Sprung())) == () and turning(machine_of(Hung())) == (1,)
 
 
 def test_units_of_columns_follow():

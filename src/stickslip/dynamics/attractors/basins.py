@@ -356,7 +356,7 @@ def _attractor(
     from stickslip.dynamics.periodic.periodic_orbits import orbit_near
 
     first = members[0]
-    kind, count, state = str(settled.kind[first]), int(settled.period[first]), settled.points[first, -1]
+    kind, count, state = str(settled.kind[first]), int(settled.period[first]), at.wrapped(settled.points[first, -1])
     orbit = None
     with suppress(SolveError, InputError):
         orbit = orbit_near(model, count, state, at) if count and not by_phase else None

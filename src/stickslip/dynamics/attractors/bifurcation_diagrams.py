@@ -14,7 +14,6 @@ from stickslip.basics.errors import Problems
 from stickslip.basics.executors import Workers
 from stickslip.basics.fields import floats
 from stickslip.basics.interruption import interruptible, look, partial_result
-from stickslip.basics.variables import unit_of
 from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, UNDONE, of_motions
 from stickslip.dynamics.attractors.motion_features import features_of
 from stickslip.dynamics.attractors.period_numbers import POINTS
@@ -233,8 +232,8 @@ def _dataset(how: _Look, parameter: str, values: Array, diagram: dict[str, Array
     columns["period"] = (flat, diagram["period"], {"units": "1", "long_name": "drive periods until it repeats (0: none, -1: not computed)"})
     columns |= {name: (flat, diagram[name], attributes) for name, attributes in of_motions(at.section is not None).items()}
     if at.mechanics is not None and not at.named:
-        columns["v_max"] = (flat, diagram["v_max"], {"units": unit_of("v", model), "long_name": "largest velocity"})
-        columns["v_min"] = (flat, diagram["v_min"], {"units": unit_of("v", model), "long_name": "smallest velocity"})
+        columns["v_max"] = (flat, diagram["v_max"], {"units": unit_of_part("v", model, ""), "long_name": "largest velocity"})
+        columns["v_min"] = (flat, diagram["v_min"], {"units": unit_of_part("v", model, ""), "long_name": "smallest velocity"})
     if at.section is not None:
         columns["duration"] = (flat, diagram["duration"], {"units": "s", "long_name": "time until the motion repeats"})
     coords = {parameter: (parameter, values, how.robots.describe(parameter)), "direction": list(directions)}

@@ -94,7 +94,7 @@ def features_of(T: Any, settled: Settled, at: Coordinates, by_phase: bool = Fals
             continue
         took, weights = settled.long_times[i] if span is None else span[i], smooth_weights(len(long))
         V[i] = float(weights @ long[:, -1]) / (float(weights @ took) if span is None else took)
-        points = _without_shifts(long[None, :, :-1], at)[0] / at.scales
+        points = _in_scales(long[None, :, :-1], at)[0]
         speeds = long[:, -1:] / (np.reshape(took, (-1, 1)) * at.speed)
         kept = speeds if by_phase else np.hstack([points, speeds])
         values, halves, widths = smooth_means(kept)
@@ -127,8 +127,14 @@ def _means(points: Array, period: Any, V: Array, at: Coordinates, by_phase: bool
         return speed
     count = whole_motions(points.shape[1], period)[:, None]
     last = (np.arange(points.shape[1]) >= points.shape[1] - count)[..., None]
-    scaled = np.where(last, _without_shifts(points, at) / at.scales, 0.0)
+    scaled = np.where(last, _in_scales(points, at), 0.0)
     return np.hstack([scaled.sum(axis=1) / count, (scaled**2).sum(axis=1) / count, speed])
+
+
+def _in_scales(points: Array, at: Coordinates) -> Array:
+    """Strobe points as numbers that are the same where the states are: without shifts that are no other motion, angles on a circle."""
+    numbers, scales = at.embedded(_without_shifts(points, at))
+    return np.asarray(numbers / scales)
 
 
 def _without_shifts(points: Array, at: Coordinates) -> Array:

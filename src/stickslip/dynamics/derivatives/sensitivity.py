@@ -21,6 +21,7 @@ from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit, periodic_
 from stickslip.dynamics.periodic.steady_motions import ClosedMotions, Closing
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 from stickslip.engine.trace import SPAN, numbers_of
+from stickslip.models.angular_coordinates import unit_of_part
 from stickslip.models.drives.within import drives_within
 from stickslip.models.machine_adapter import is_machine
 from stickslip.solvers.time_dependence import check_period
@@ -54,6 +55,8 @@ class Sensitivity(Drawn):
         Derivative of the final state, for a periodic motion of the strobe state. It is taken at a fixed fraction of the period.
     states : tuple of str
         Names of these states.
+    unit : str
+        Of the velocity.
     notes : tuple of str
         Remarks.
 
@@ -72,6 +75,7 @@ class Sensitivity(Drawn):
     state: Array
     states: tuple[str, ...]
     notes: tuple[str, ...] = ()
+    unit: str = "m/s"
 
     _drawn_by, _inches = "sensitivity", (4.4, 2.8)
 
@@ -88,7 +92,7 @@ class Sensitivity(Drawn):
             return self.values / self.velocity * self.mean_velocity
 
     def _title(self) -> str:
-        return f"Sensitivity of the mean velocity, {self.velocity:.9g} m/s"
+        return f"Sensitivity of the mean velocity, {self.velocity:.9g} {self.unit}"
 
     def _tables(self) -> list[list[tuple[str, ...]]]:
         head = ("number p", "value", "dV/dp [SI]", "% of V for 1 % of p")
@@ -97,7 +101,7 @@ class Sensitivity(Drawn):
 
     def __repr__(self) -> str:
         listed = ", ".join(f"{name}: {value:.9g}" for name, value in zip(self.names, self.mean_velocity, strict=True))
-        return f"<Sensitivity of V = {self.velocity:.9g} m/s: dV/dp by {listed}{''.join(f'; {note}' for note in self.notes)}>"
+        return f"<Sensitivity of V = {self.velocity:.9g} {self.unit}: dV/dp by {listed}{''.join(f'; {note}' for note in self.notes)}>"
 
 
 @explains_arguments
@@ -237,7 +241,9 @@ def _period_slopes(model: Model, numbers: dict[str, Array], count: int) -> Array
 
 def _of_orbit(orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]]) -> Sensitivity:
     V, slopes, state, notes = along_direction(orbit, direction_parts(moved), len(moved))
-    return Sensitivity(tuple(moved), _values(orbit.model, moved), V, slopes, state, coordinates(orbit.model).names[: state.shape[1]], notes)
+    unit = unit_of_part("v", orbit.model, "")
+    states = coordinates(orbit.model).names[: state.shape[1]]
+    return Sensitivity(tuple(moved), _values(orbit.model, moved), V, slopes, state, states, notes, unit)
 
 
 def along_direction(orbit: PeriodicOrbit, directions: dict[str, Array], count: int) -> tuple[float, Array, Array, tuple[str, ...]]:
@@ -287,4 +293,6 @@ def _of_run(run: Trajectory, moved: dict[str, tuple[str, ...]]) -> Sensitivity:
     T = span or float(model.period) * (run.periods - settle)
     dT = _period_slopes(model, numbers, k) * (run.periods - settle)
     V = float(way[0]) / T
-    return Sensitivity(tuple(moved), _values(model, moved), V, (d_way - V * dT) / T, last.change, at.names[:d])
+    return Sensitivity(
+        tuple(moved), _values(model, moved), V, (d_way - V * dT) / T, last.change, at.names[:d], unit=unit_of_part("v", model, "")
+    )

@@ -14,7 +14,6 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import Problems, SolveError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible
-from stickslip.basics.variables import unit_of
 from stickslip.dynamics.derivatives.tangents import Directions, changes_along, jacobian_of, not_followed, orders_differ
 from stickslip.dynamics.flows.flow_cycles import cycle_of_flow, cycle_shown
 from stickslip.dynamics.flows.flow_orbits import FlowOrbit, flow_orbit
@@ -37,6 +36,7 @@ from stickslip.dynamics.stroboscopic.strobe_maps import (
     strobe_orbit,
     with_rests,
 )  # fmt: skip
+from stickslip.models.angular_coordinates import unit_of_part
 from stickslip.models.machine_adapter import is_machine, machine_of
 from stickslip.models.model_adapter import adapter_of
 from stickslip.models.rounding import without_rounding
@@ -178,7 +178,7 @@ class PeriodicOrbit(ClosedMotion):
     def _facts(self) -> dict[str, Any]:
         patterns = self.patterns if len(self.patterns) > 1 else {"motion type": self.type, "pattern": self.pattern}
         return {
-            "mean velocity": f"{without_rounding(self.mean_velocity, self.model):.9g} {unit_of('v', self.model)}",
+            "mean velocity": f"{without_rounding(self.mean_velocity, self.model):.9g} {unit_of_part('v', self.model, '')}",
             **{name: text.replace("-", "−") for name, text in patterns.items()},
             "repeats after": f"{self.period} drive period{'s' * (self.period != 1)}",
             "stability": f"{self.stability}; {self._multipliers_text}",
@@ -188,7 +188,7 @@ class PeriodicOrbit(ClosedMotion):
         state = ", ".join(f"{name} = {value:.9g}" for name, value in zip(self.names, self.state, strict=True))
         single = self.run.pieces.layout.single
         kind = f"type {self.type}" if single else ", ".join(f"{name} {pattern}" for name, pattern in self.patterns.items())
-        way = f"{without_rounding(self.mean_velocity, self.model):.9g} {unit_of('v', self.model)}"
+        way = f"{without_rounding(self.mean_velocity, self.model):.9g} {unit_of_part('v', self.model, '')}"
         return (
             f"<PeriodicOrbit: period {self.period}, {kind}, V = {way}, "
             f"{self.stability} ({self._multipliers_text}), strobe state {state}, residual {self.residual:.1e}>"
@@ -351,7 +351,7 @@ def _solve(model: Model, period: int, state: Array, rtol: float, tolerance: floa
         return strobe_map(model, np.concatenate([u * scales, held], axis=-1), period, rtol).state
 
     def missed(end: Array, u: Array) -> Array:
-        return end / scales - u if at.wavelength is None else at.difference(end, u * scales) / scales
+        return end / scales - u if not at.comes_again else at.difference(end, u * scales) / scales
 
     def problem(memory: Array) -> Any:
         return lambda u: missed(ends(u, memory)[:, :d], u)

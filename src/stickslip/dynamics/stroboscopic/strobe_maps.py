@@ -21,6 +21,7 @@ from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.status import Status
+from stickslip.dynamics.stroboscopic.turning_coordinates import turning
 from stickslip.models.cyclic_coordinates import CyclicCoordinates
 from stickslip.models.machine_adapter import MachineAdapter, machine_of
 from stickslip.models.model_adapter import ModelAdapter, adapter_of
@@ -58,7 +59,7 @@ class Coordinates:
     named: bool = False  # whether starts go by the names of bodies and contacts; of one body on one contact they are numbers
     wavelength: float | None = None  # of one body: its position counts modulo this, as the track repeats [m]
     section: Any = None  # of a model without a period: where its motions are looked at (see return_maps.py)
-    drifts: CyclicCoordinates = CyclicCoordinates()  # of a flow: what drifts while the motion repeats
+    drifts: CyclicCoordinates = CyclicCoordinates()  # what drifts while the motion repeats: in a flow, and angles modulo a turn
 
     @property
     def smooth(self) -> int:
@@ -142,12 +143,21 @@ class Coordinates:
         """The last states before a run could not be followed on, where they are known."""
         return np.empty((0, len(self.names)))
 
+    @property
+    def comes_again(self) -> bool:
+        """Whether states that differ may be one: on a track that repeats, and of cyclic coordinates."""
+        return self.wavelength is not None or bool(self.drifts)
+
     def difference(self, a: Any, b: Any) -> Any:
         """One state less another; of positions on a track that repeats, and of cyclic coordinates, modulo their length."""
         difference = np.asarray(a, float) - np.asarray(b, float)
         if self.wavelength is not None:
             difference[..., self.order.places] -= self.wavelength * np.round(difference[..., self.order.places] / self.wavelength)
         return self.drifts.wrapped(difference) if self.drifts else difference
+
+    def wrapped(self, states: Array) -> Array:
+        """States with cyclic coordinates brought back: angles to within half a turn of zero."""
+        return self.drifts.wrapped(states) if self.drifts else states
 
     def embedded(self, points: Array) -> tuple[Array, Array]:
         """States and their scales, as numbers that are near one another where the states are: angles as points on a circle."""
@@ -256,7 +266,16 @@ def coordinates(model: Model) -> Coordinates:
     memories = sum(law.modes for law in laws)
     names = (*order.names, *_memory_names(machine))
     sized = np.array(scales + [1.0] * memories)
-    return Coordinates(names, sized, order, memories, mechanics, machine.names_parts, _wavelength(machine, order))
+    turns = _turns(machine, order)
+    return Coordinates(names, sized, order, memories, mechanics, machine.names_parts, _wavelength(machine, order), drifts=turns)
+
+
+def _turns(machine: Any, order: Order) -> CyclicCoordinates:
+    """The positions in a state that are angles modulo a turn."""
+    if order.cyclic:
+        return CyclicCoordinates()
+    places = tuple(order.places.start + order.kept.index(j) for j in turning(machine) if j in order.kept)
+    return CyclicCoordinates(tuple(order.names[i] for i in places), places, (2.0 * np.pi,) * len(places))
 
 
 def _wavelength(machine: Any, order: Order) -> float | None:

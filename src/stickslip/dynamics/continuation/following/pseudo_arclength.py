@@ -138,7 +138,7 @@ class Path:
     def missed(self, ends: Array, U: Array) -> Array:
         """Residuals of states; positions on a track with a wavelength are compared modulo it."""
         ends, begun = ends[..., : self.at.smooth], U[..., : self.at.smooth]
-        if self.at.wavelength is None:  # the difference of numbers in scales keeps a digit more
+        if not self.at.comes_again:  # the difference of numbers in scales keeps a digit more
             return ends / self.scales - begun
         return self.at.difference(ends, begun * self.scales) / self.scales
 
