@@ -29,6 +29,7 @@ from stickslip.dynamics.continuation.special_points.own_events import Event, che
 from stickslip.dynamics.flows.flow_cycles import at_its_switch as flow_at_its_switch
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle, at_its_switch
 from stickslip.dynamics.periodic.periodic_orbits import RTOL, PeriodicOrbit, periodic_orbit
+from stickslip.models.angular_coordinates import unit_of_part
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.model_adapter import adapter_of
 from stickslip.models.naming import in_its_unit
@@ -97,7 +98,8 @@ class Branch(Drawn):
             n: ("point", [o.state[i] for o in self.orbits], state_attrs(n, when, self.orbits[0].model)) for i, n in enumerate(names)
         }
         known = [name for name in _COLUMNS if (single or name not in _OF_ONE) and hasattr(self.orbits[0], name)]
-        columns |= {name: ("point", [getattr(o, name) for o in self.orbits], _COLUMNS.get(name, {})) for name in known}
+        of_motion = {name: {"units": unit_of_part(what, self.orbits[0].model, "")} for name, what in _OF_MOTION.items() if of.has_units}
+        columns |= {name: ("point", [getattr(o, name) for o in self.orbits], _COLUMNS[name] | of_motion.get(name, {})) for name in known}
         if not of.has_bodies:
             columns["pattern"] = ("point", [" ".join(map(str, o.pattern)) for o in self.orbits])
         elif single:
@@ -195,6 +197,7 @@ class Branch(Drawn):
         )
 
 
+_OF_MOTION = {"mean_velocity": "v", "amplitude": "x"}  # whose units are those of the machine's motion
 _OF_ONE = ("pattern", "margin")  # known of one body on one contact
 _COLUMNS = {
     "mean_velocity": {"units": "m/s", "long_name": "mean velocity"},
@@ -202,6 +205,7 @@ _COLUMNS = {
     "pattern": {"units": "1", "long_name": "signs of the velocity over one motion period"},
     "margin": {"units": "1", "long_name": "margin of the motion type"},
     "residual": {"units": "1", "long_name": "residual of the strobe point"},
+    "amplitude": {"units": "m", "long_name": "amplitude of the cycle"},
     "duration": {"units": "s", "long_name": "duration of the cycle"},
 }
 

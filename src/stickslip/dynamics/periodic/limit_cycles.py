@@ -125,6 +125,11 @@ class LimitCycle(ClosedMotion):
         """What `ss.motion` returns of a run that ends on the cycle."""
         return oscillation_of_cycle(self.run, self.period, self.residual)
 
+    @property
+    def amplitude(self) -> float:
+        """Half of the way from the lowest to the highest position, of the only body or the largest, less the mean motion [m]."""
+        return self.motion.amplitude
+
     def _begins(self, pattern: str) -> int:
         return "0+-".index(pattern[0])
 

@@ -61,8 +61,9 @@ def continuation(
         From `stickslip.continuation`.
     observable : str, optional
         A column of ``branch.points``: "v", "z", "mean_velocity", "margin", "largest_multiplier"; for several bodies "v.body" and so on;
-        for limit cycles also "duration" and "x". The default is the velocity on the strobe; for a flow its first state; for limit cycles
-        their duration; for several bodies the mean velocity or, with a diagram, the velocity of the first body on the strobe.
+        for limit cycles also "amplitude", "duration" and "x". The default is the velocity on the strobe; for a flow its first state; for
+        limit cycles their amplitude, by which a branch does not cross itself at its fold; for several bodies the mean velocity or, with a
+        diagram, the velocity of the first body on the strobe.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
     diagram : xarray.Dataset, optional
@@ -123,7 +124,9 @@ def _usual(branch: Any, diagram: Any, cycles: bool) -> str:
     """The default observable; with a diagram, one that branch and diagram have in common."""
     first = branch.orbits[0]
     parts = [n for n in first.names if n.startswith("v.")] if diagram is not None else []
-    known = ["duration"] if cycles else [*(("v", *parts) if adapter_of(first.model).has_bodies else first.names), "mean_velocity"]
+    known = (
+        ["amplitude", "duration"] if cycles else [*(("v", *parts) if adapter_of(first.model).has_bodies else first.names), "mean_velocity"]
+    )
     shared = [name for name in known if name in branch.points and (diagram is None or name in diagram)]
     return shared[0] if shared else next((name for name in known if name in branch.points), "mean_velocity")
 
@@ -141,7 +144,7 @@ OBSERVABLES = {
 }  # fmt: skip
 _OF_CYCLES = OBSERVABLES | {
     "v": "velocity at the turning point $v$", "x": "turning point of the spring $x$", "z": "bristle at the turning point $z$",
-    "duration": "duration of the cycle",
+    "amplitude": "amplitude of the cycle", "duration": "duration of the cycle",
 }  # fmt: skip
 _BETWEEN = 12  # points of a drawn curve from one orbit of a branch to the next
 
