@@ -55,8 +55,6 @@ def lines_of_motion(model: Model) -> list[str]:
     letters = letters_of(model, [name for name, _ in leaves(model)], _own_coordinates(machine_of(model).mechanics))
     traced = replace_leaf(model, letters.symbols)
     single = machine_of(model).one_body is not None
-    if len(machine_of(model).mechanics.flying) > 1:
-        raise InputError("latex", ["loads of several points on ground that pushes follow from one another; allowed is one such point"])
     try:
         mechanics: Any = OneBody(traced) if single else machine_of(traced).mechanics
         if mechanics.joined:
@@ -232,9 +230,11 @@ def _of_contacts(mechanics: Any, letters: Letters) -> list[str]:
     """Slips, loads and laws; what differs in the numbers of its symbols alone stands once, with the index i."""
     own, t, bodies = indices(mechanics.contacts), symbol("t", 0), indices(mechanics.bodies)
     x, v = _states_of(mechanics)
-    given = list(zip(mechanics.laws, mechanics.slips(t, v, x), mechanics.loads(t, x, v, _held(mechanics)), own, strict=True))
+    together = len(mechanics.flying) > 1  # loads of several points follow from one another
+    loads = [symbol("N")] * len(own) if together else mechanics.loads(t, x, v, _held(mechanics))
+    given = list(zip(mechanics.laws, mechanics.slips(t, v, x), loads, own, strict=True))
     blocks = []
-    for lines_of in (_slip_lines, _load_lines, _law_lines):
+    for lines_of in (_slip_lines, _law_lines) if together else (_slip_lines, _load_lines, _law_lines):
         by_text = dict[str, tuple[list[str], list[str]]]()
         for law, slip, load, index in given:
             alone = lines_of(law.law, Formula(expression_of(slip)), Formula(expression_of(load)), index, v)
@@ -242,7 +242,20 @@ def _of_contacts(mechanics: Any, letters: Letters) -> list[str]:
             generic = lines_of(*_renumbered(letters, law.law, slip, load, index), turned)
             by_text.setdefault("\n".join(generic) if index else "", (alone, []))[1].append(index)
         blocks += [(alone if len(of) == 1 else generic.split("\n"), of) for generic, (alone, of) in by_text.items() if alone]
-    return [*_with_ranges(blocks), *_flights(mechanics, own)]
+    return [*_with_ranges(blocks), *(_heights(mechanics, own, x, v) if together else _flights(mechanics, own))]
+
+
+def _heights(mechanics: Any, own: list[str], x: tuple[Formula, ...], v: tuple[Formula, ...]) -> list[str]:
+    """Heights of several points, on each of which there is a load, or an impulse of a hit, only where its point touches, and stays."""
+    heights, lines = mechanics.heights(symbol("t", 0), x, v), []
+    for name, law, index in zip(mechanics.contacts, mechanics.laws, own, strict=True):
+        h, N, P = (subscripted(letter, index) for letter in ("h", "N", r"\hat N"))
+        lines += [
+            f"{h} &= {text_of(sympy.simplify(expression_of(heights[name][0])))}",
+            rf"0 \le {h} &\perp {N} \ge 0",
+            rf"0 \le \dot {h}^+ + {text_of(law.restitution)} \, \dot {h}^- &\perp {P} \ge 0, && {h} = 0",
+        ]
+    return lines
 
 
 def _flights(mechanics: Any, own: list[str]) -> list[str]:

@@ -26,7 +26,7 @@ from stickslip.engine.graphs import Substituted
 from stickslip.engine.landings import MOMENT, flight_of, per_impulse, time_of
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Branches, Flight, TracedContact
-from stickslip.models.linear_equations import eliminated, product, total
+from stickslip.models.linear_equations import determinant, eliminated, product, total
 
 LIFTS = 2  # of a combination: the point does not touch; else 1 and -1 are its side, 0 is rest
 _TIE = 1e-12  # of a load, or of the rates that there are: what rounding may make of a condition that holds with equality
@@ -73,23 +73,32 @@ class Feet:
 
     def solved(self, touching: Sequence[int], resting: Sequence[int], slide: dict[int, Any], gaps: Numbers, slips: Numbers) -> Bearing:
         """The forces with which gaps and slips keep what is asked, from their rates `gaps` and `slips` without them."""
-        first = [i for i in resting if self.alike[i][0] not in resting or self.alike[i][0] == i]
+        first, rows = self._first(resting), self._equations(touching, resting, slide)
+        right = [-rate[i] for at, rate in ((touching, gaps), (first, slips)) for i in at]
+        unknowns = [self.m.lift(of) for of in eliminated(rows, right)] if rows else []
+        loads = dict(zip(touching, unknowns, strict=False))
+        held = {k: of for i, of in zip(first, unknowns[len(touching) :], strict=True) for k in resting if k == i or self.alike[k][0] == i}
+        friction = {i: held[i] if i in resting else self.m.lift(product(slide[i], loads[i])) for i in touching}
+        return Bearing({i: loads.get(i, self.zero) for i in self.group}, {i: friction.get(i, self.zero) for i in self.group})
+
+    def _first(self, resting: Sequence[int]) -> list[int]:
+        """Resting points, of those that rest as one the first."""
+        return [i for i in resting if self.alike[i][0] not in resting or self.alike[i][0] == i]
+
+    def _equations(self, touching: Sequence[int], resting: Sequence[int], slide: dict[int, Any]) -> list[tuple[Any, ...]]:
+        """What loads of points that touch, and friction of those that rest, do to gaps and slips."""
+        first = self._first(resting)
         columns: list[tuple[dict[int, Any], dict[int, Any]]] = [({i: 1.0}, {} if i in resting else {i: slide[i]}) for i in touching]
         columns += [({}, {k: 1.0 for k in resting if k == i or self.alike[k][0] == i}) for i in first]
-        rows, right = [], []
-        for at, rate, across, along in ((touching, gaps, self.A, self.B), (first, slips, None, self.G)):
+        rows = []
+        for at, across, along in ((touching, self.A, self.B), (first, None, self.G)):
             for i in at:
                 row = []
                 for pressed, rubbed in columns:
                     normal = [product(across[i, j] if across is not None else self.B[j, i], of) for j, of in pressed.items()]
                     row.append(total([*normal, *(product(-1.0, product(along[i, j], of)) for j, of in rubbed.items())]))
                 rows.append(tuple(row))
-                right.append(-rate[i])
-        unknowns = [self.m.lift(of) for of in eliminated(rows, right)] if rows else []
-        loads = dict(zip(touching, unknowns, strict=False))
-        held = {k: of for i, of in zip(first, unknowns[len(touching) :], strict=True) for k in resting if k == i or self.alike[k][0] == i}
-        friction = {i: held[i] if i in resting else self.m.lift(product(slide[i], loads[i])) for i in touching}
-        return Bearing({i: loads.get(i, self.zero) for i in self.group}, {i: friction.get(i, self.zero) for i in self.group})
+        return rows
 
     def rates(self, bearing: Bearing, gaps: Numbers, slips: Numbers) -> tuple[Numbers, Numbers]:
         """Rates of gaps and slips under some forces."""
@@ -143,28 +152,25 @@ class Feet:
         return chosen(self.group, (), ())
 
     def border(self, aloft: Numbers, modes: Numbers) -> Sym:
-        """What is positive as long as one load of each point that touches follows from the motion, under friction of those that slip."""
+        """What is positive as long as one set of loads follows from the motion, under friction of the points that slip.
+
+        It is the determinant of the equations, as a part of what that is without friction.
+        """
         graph = self.graph
         slide = {i: graph.by_side(modes[i], *self.kinetic[i], self.zero) for i in self.group}
-        terms = {
-            (i, j): self.m.lift(total([self.A[i, j], product(-1.0, product(self.B[i, j], slide[j]))])) / self.A[i, i]
-            for i, j in itertools.product(self.group, repeat=2)
-        }
 
-        def least(left: list[int], touching: tuple[int, ...]) -> Sym:
+        def least(left: list[int], touching: tuple[int, ...], resting: tuple[int, ...]) -> Sym:
             if not left:
-                if not touching:
+                slips = [i for i in touching if i not in resting]
+                if not slips:
                     return self.one
-                first, *others = touching
-                if not others:
-                    return terms[first, first] - _BESIDE
-                (second,) = others
-                both = terms[first, first] * terms[second, second] - terms[first, second] * terms[second, first]
-                return both - _BESIDE
+                without, under = (determinant(self._equations(touching, resting, of)) for of in (dict.fromkeys(slips, 0.0), slide))
+                return self.m.lift(under) / self.m.lift(without) - _BESIDE
             i, *others = left
-            return graph.select(aloft[i], least(others, touching), least(others, (*touching, i)))
+            slides, rests = (least(others, (*touching, i), of) for of in (resting, (*resting, i)))
+            return graph.select(aloft[i], least(others, touching, resting), graph.by_side(modes[i], slides, slides, rests))
 
-        return least(self.group, ())
+        return least(self.group, (), ())
 
     def combinations(self) -> list[tuple[int, ...]]:
         """All that the points may do together, those first in which most rest and touch."""

@@ -81,3 +81,18 @@ def eliminated(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> tuple[A
         b[p] = total([b[p], *(product(-1.0, product(rows[p][k], b[k])) for k in range(p + 1, n))])
         b[p] = 0.0 if is_nothing(b[p]) else b[p] / rows[p][p]
     return tuple(b)
+
+
+def determinant(matrix: Sequence[Sequence[Any]]) -> Any:
+    """The determinant of a small matrix, by its first row.
+
+    Examples
+    --------
+    >>> determinant(((2.0, 1.0), (1.0, 3.0)))
+    5.0
+    """
+    first, *others = matrix
+    if not others:
+        return first[0]
+    minors = (determinant([[*row[:j], *row[j + 1 :]] for row in others]) if not is_nothing(of) else 0.0 for j, of in enumerate(first))
+    return total(product(product(-1.0 if j % 2 else 1.0, of), minor) for j, (of, minor) in enumerate(zip(first, minors, strict=True)))

@@ -28,6 +28,8 @@ class Guard(NamedTuple):
 
 def guards(e: Equations, t: float, y: Array, mode: ContactModes) -> list[Guard]:
     """All of a mode, in an order that the mode alone decides."""
+    if (of_points := e.guards_of_points(t, y, mode)) is not None:
+        return of_points
     q, u = e.state(y)
     w = e.slips(t, q, u)
     noise = e.noise_of_slips(t, q, u, w)
@@ -49,7 +51,7 @@ def guards(e: Equations, t: float, y: Array, mode: ContactModes) -> list[Guard]:
         for s, gap in enumerate(e.gaps(t, q) if e.stops else [])
         if mode.sides[e.k + s]
     ]  # fmt: skip
-    return guards + _kinks(e, t, y, mode)
+    return guards + kinks_of(e, t, y, mode)
 
 
 def _of_load(e: Equations, t: float, y: ArrayLike, mode: ContactModes, i: int, load: float) -> Guard:
@@ -73,7 +75,8 @@ def _limits(e: Equations, t: float, y: ArrayLike, mode: ContactModes) -> list[Gu
     return limit_guards
 
 
-def _kinks(e: Equations, t: float, y: ArrayLike, mode: ContactModes) -> list[Guard]:
+def kinks_of(e: Equations, t: float, y: ArrayLike, mode: ContactModes) -> list[Guard]:
+    """Those of conditions of forces and loads."""
     if not any(mode.kinks):
         return []
     kinks = []

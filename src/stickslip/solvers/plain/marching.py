@@ -21,7 +21,8 @@ from stickslip.solvers.plain.choosing import after_event, begun, conditioned
 from stickslip.solvers.plain.dense import DensePart, joined_output
 from stickslip.solvers.plain.flights import landed, taken_off, turned_aloft
 from stickslip.solvers.plain.guards import Guard
-from stickslip.solvers.plain.plain_equations import Equations
+from stickslip.solvers.plain.plain_equations import ContactModes, Equations
+from stickslip.solvers.plain.points import PointEquations, equations_of
 from stickslip.solvers.plain.stretch import integrate
 from stickslip.solvers.settings import Request
 from stickslip.solvers.stopped import PRESSES_BACK, STIFF, location, remedy, stopping_message
@@ -53,7 +54,7 @@ def march(todo: Request, model: Model, case: int) -> tuple[PolynomialPieces, dic
 
 def marched(todo: Request, model: Model, case: int) -> Run:
     """The run of one case."""
-    equations = Equations(model)
+    equations = equations_of(model)
     run = Run(todo, equations, todo.start[case])
     end = float(todo.span[case]) * todo.periods
     end = end if todo.duration is None else min(end, todo.duration)
@@ -117,10 +118,21 @@ class Run:
         loads = zip(equations.first_loads, equations.laws, equations.unpressed, strict=True)
         if any(load <= 0.0 and load + least <= 0.0 for load, law, least in loads if not law.flies):
             raise SolveError("the load is not positive at the start, so there is no contact; give a start or a drive with a positive load")
-        self.y, self.mode = begun(equations, 0.0, self.y, self._memories(start[equations.size :]))
+        self.points = equations if isinstance(equations, PointEquations) else None
+        if self.points is None:
+            self.y, self.mode = begun(equations, 0.0, self.y, self._memories(start[equations.size :]))
+        else:
+            self._begin_points(self.points)
         if any(border <= 0.0 for border in equations.borders(0.0, self.y, self.mode).values()):
             message = f"the run ended at its start, t = 0 s: {Status.PAINLEVE.sentence}; {PRESSES_BACK}"
             raise SolveError(message, Status.PAINLEVE)
+
+    def _begin_points(self, points: PointEquations) -> None:
+        first = conditioned(points, 0.0, self.y, ContactModes((1,) * points.k, ((),) * points.k, aloft=frozenset(range(points.k))))
+        mode = points.begun(0.0, self.y, first)
+        if mode is None:
+            raise SolveError(f"the run ended at its start, t = 0 s: {Status.PAINLEVE.sentence}; {PRESSES_BACK}", Status.PAINLEVE)
+        self.y, self.mode = points.at_rest(0.0, self.y, mode), mode
 
     def _memories(self, values: Array) -> tuple[tuple[int, ...], ...]:
         whole = iter([int(m) for m in values])
@@ -134,6 +146,10 @@ class Run:
         """An impulse, a sample, or an instant at which something that is prescribed changes: slips may jump, positions stay."""
         e, before = self.equations, self.mode
         self.y[e.n : 2 * e.n] += jump
+        if self.points is not None:
+            self.mode = conditioned(self.points, self.t, self.y, self.mode)
+            self._after_points(self.points, {})
+            return
         if sample:
             self.y = e.sampled(self.t, self.y)
         w = self._slips()
@@ -217,6 +233,14 @@ class Run:
         if "load" in parts or "border" in parts:
             self.ended = Status.PAINLEVE if "border" in parts else Status.LOST
             return
+        if self.points is not None:
+            for guard in parts.pop("kink", []):
+                self._flip(guard.part, guard.which)
+            if parts:
+                self._after_points(self.points, parts)
+            if moved and "slip" in parts and "landing" not in parts:
+                self.parts[-1].end_at(self.points.output(self.t, self.y, self.mode))
+            return
         if self.equations.flying:
             self._fly(parts)
         e, touched = self.equations, [guard.part for guard in parts.get("slip", [])]
@@ -235,6 +259,14 @@ class Run:
             self._bounce([guard.part for guard in parts["gap"]], touched)
         elif "slip" in parts or "limit" in parts or 0 in self.mode.sides:
             self._choose(touched, self._broken(parts.get("limit", [])))
+
+    def _after_points(self, points: PointEquations, parts: dict[str, list[Guard]]) -> None:
+        """What follows the events of several points that push on the ground at once."""
+        self.y, mode = points.after(self.t, self.y, self.mode, parts)
+        if mode is None:
+            self.ended = Status.PAINLEVE
+        else:
+            self.mode = mode
 
     def _fly(self, parts: dict[str, list[Guard]]) -> None:
         """Slips that pass zero in flight, contacts that leave, and those that land; what else has come to zero slip is left in `parts`."""

@@ -125,14 +125,14 @@ class OwnRoute:
         state = self.state(t, q, u, z)
         free, by = self._pressing(i, state)
         way = 1.0 if contact.hold == "push" or noting(free, u[0]) > 0.0 else -1.0
-        left = 1.0 + self._per_load(i, t, q, u, side) * way * by
+        left = 1.0 + self.per_load(i, t, q, u, side) * way * by
         return way * free / left if left else math.inf
 
     def border(self, i: int, t: float, q: Sequence[Any], u: Sequence[Any], side: int) -> float | None:
         """Positive as long as one load follows while a contact slips to a side; None of a load that is given."""
         if not self.mechanics.touching[i].is_held:
             return None
-        back = self._per_load(i, t, q, u, side) * float(self._pressing(i, self.state(t, q, u, None))[1])
+        back = self.per_load(i, t, q, u, side) * float(self._pressing(i, self.state(t, q, u, None))[1])
         return 1.0 + back if self.given[i].hold == "push" else 1.0 - abs(back)
 
     def gap(self, i: int, t: float, q: Sequence[Any], u: Sequence[Any]) -> tuple[float, float]:
@@ -146,7 +146,7 @@ class OwnRoute:
         free = self.accelerations(t, q, u, [0.0] * len(self.given), z, frozenset([i]))
         return float(height.second + sum(slope * a for slope, a in zip(height.slopes, free, strict=True)))
 
-    def _per_load(self, i: int, t: float, q: Sequence[Any], u: Sequence[Any], side: int | None) -> float:
+    def per_load(self, i: int, t: float, q: Sequence[Any], u: Sequence[Any], side: int | None) -> float:
         """Friction force for a load of one newton."""
         slip = self.slips(t, q, u)[i]
         if side is not None and not side * slip > TINY:

