@@ -160,7 +160,8 @@ def judged(name: str, models: list[str], seed: int = 1) -> dict[str, Any]:
         "set": name, "cpu": round(took, 1), "AICc": {r.label: round(r.aicc, 1) for r in ranking.rows} if ranking else None,
         "off": {n: round(float(v), 2) for n, v in off.items()}, "undetermined": own.undetermined,
         "combinations": [f"{f} = {v:.4g} ± {e:.2g}" for f, v, e in own.combinations], "held_out": held, "ratio": held[0] / held[1],
-        "faults": faults(own), "rms": {m: float(np.sqrt(np.mean(f.residuals**2)) * np.mean(f.problem.sigma)) for m, f in fits.items()},
+        "faults": {m: faults(f) for m, f in fits.items()}, "verdict": ranking.verdict if ranking else None,
+        "rms": {m: float(np.sqrt(np.mean(f.residuals**2)) * np.mean(f.problem.sigma)) for m, f in fits.items()},
     }  # fmt: skip
 
 

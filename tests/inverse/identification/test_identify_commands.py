@@ -1,10 +1,15 @@
 """Servos from command and angle alone: logs of a bench in plain Python, whose numbers are known."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import stickslip as ss
-from bam_bench import chirp, pendulum, shown, sines, swung
+from bam_bench import COUNT, chirp, pendulum, shown, sines, swung
+from stickslip.inverse.identification.commanded_logs import command_log
+from stickslip.inverse.identification.rounding import rounding_columns
+from stickslip.inverse.identification.structure import Left, structures
 from stickslip.inverse.identification.uncertainty import faults
 from stickslip.solvers.followed import followed
 
@@ -74,6 +79,41 @@ def test_angles_that_a_model_cannot_follow_within_their_noise_leave_no_narrow_in
     assert right.quality[0].noise == pytest.approx(2 * np.pi / 4096 * np.hypot(0.3, 1 / np.sqrt(12)), rel=0.15)
     assert wrong.misfit.factor > 1.5 and any("where the noise is" in said for said in faults(wrong))
     assert wrong.errors["load.base"] > 3 * right.errors["load.base"]
+
+
+def test_rounding_to_counts_is_noise_that_stays_while_the_servo_rests():
+    """Products of what 4000 places of the counts make of three angles, beside the closed form; noise of a count hides the rounding."""
+    h, noise = np.array([0.0, 0.3, 0.75]), np.random.default_rng(1)
+    for before in (0.0, 0.2):
+        places, size = noise.uniform(0, 1, (4000, 1)), np.sqrt(before**2 + 1 / 12)
+        shown = np.round(h + places + noise.normal(0, before, (200, 4000, 3))).mean(axis=0) - h - places
+        columns = columns_of(np.array([0.0, 1.0, 2.0]), h, size)
+        assert columns @ columns.T == pytest.approx(shown.T @ shown / 4000, abs=0.005)
+    assert columns_of(np.array([0.0, 1.0, 2.0]), h, np.hypot(1.0, np.sqrt(1 / 12))).shape == (3, 0)
+
+
+def columns_of(y, h, size):
+    """`rounding_columns` of one record of values y, for which a model has h, with so large a noise; in the unit of the values."""
+    target = SimpleNamespace(within=0.0)
+    problem = SimpleNamespace(y=y, sigma=np.full(len(y), size), targets=[target], parts=lambda each: [each])
+    return rounding_columns(problem, (h - y) / size, 1.0)[0] * size
+
+
+def test_the_motion_of_a_servo_that_rests_between_counts_is_not_blamed_on_its_law():
+    """Of 60 logs of a true model at most one has structure (an angle that its noise moves is no place); with a count more all do."""
+    t = np.arange(0, 6, 0.01)
+    true, blamed = np.interp(t, [0, 1, 3, 4, 6], [0.0, 1.2, 1.2, 0.9, 0.9]), {0.0: 0, 1.0: 0}
+    for seed in range(60):
+        zero, noise = COUNT * np.random.default_rng(seed).uniform(), (0.0, 0.3, 1.0)[seed % 3]
+        y = shown(true + zero, seed, noise) - zero
+        log = command_log(servo(), ss.Record.of(t, {"command [rad]": true, "angle [rad]": y}), None, "record 0")
+        for wrong in blamed:
+            rest = (true + wrong * COUNT * (true > 1.0) - y) / COUNT
+            problem = SimpleNamespace(y=y, sigma=np.full(len(t), COUNT), targets=[log], parts=lambda each: [each])
+            own = rounding_columns(problem, rest, float(np.std(rest)))[0]
+            left = Left(y + rest * COUNT, rest, np.ones(len(t), bool), np.zeros((len(t), 0)), own)
+            blamed[wrong] += bool(structures(log, left))
+    assert blamed[0.0] <= 1 and blamed[1.0] == 60, blamed
 
 
 @pytest.mark.slow

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -14,6 +13,7 @@ from stickslip.basics.errors import InputError, SolveError
 from stickslip.basics.fields import leaves
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.inverse.identification.parameters import OverParameters, Parameters
+from stickslip.inverse.identification.rounding import count_of
 from stickslip.inverse.identification.targets import Compared
 from stickslip.inverse.identification.weighting import weights_at
 from stickslip.models.machine_adapter import machine_of
@@ -27,6 +27,7 @@ _FEWEST = 40  # samples of a log
 _STEP = 1e-5  # of the distance between the bounds: differences for derivatives
 _EXACT = 1e-6  # of the range of an angle: noise that is left to a simulation, of which a record may be one
 _KEPT = 256  # motions of each log that are remembered
+_RESTS = 1e-6  # of the largest velocity: less is that of a servo at rest
 _FIRST = 8  # samples at the beginning that say how fast the motion begins
 _MOVES = 5.0  # standard errors of that velocity above which the motion does not begin at rest
 
@@ -82,19 +83,18 @@ class CommandLog(Compared):
     @property
     def most_noise(self) -> float:
         """The most that the noise of an angle can be: what neighbours scatter, and rounding that they do not show at rest [rad]."""
-        return max(float(np.hypot(self.sigma, _count(self.y) / np.sqrt(12))), _EXACT * float(np.ptp(self.y)))
+        return max(float(np.hypot(self.sigma, count_of(self.y) / np.sqrt(12))), _EXACT * float(np.ptp(self.y)))
 
     @property
     def time(self) -> Any:
         """Times of the values, counted from the middle of the record [s]."""
         return self.t - 0.5 * (self.t[0] + self.t[-1])
 
-    @cached_property
-    def moved(self) -> tuple[Any, Any, Any]:
-        """Times, angles and velocities, of which the signs say enough."""
-        width = max(min(9, len(self.t) // 8), 1)
-        smooth = np.convolve(np.pad(self.y, width, mode="edge"), np.ones(2 * width + 1) / (2 * width + 1), "valid")
-        return self.t, self.y, np.gradient(smooth, self.t)
+    def moved(self, met: Any = None) -> tuple[Any, Any, Any]:
+        """Times, angles and velocities of the motion of a model, or of the one that was measured, with its noise."""
+        angles = self.y if met is None else met
+        v = np.gradient(angles, self.t)
+        return self.t, angles, np.where(abs(v) > _RESTS * np.max(abs(v), initial=0.0), v, 0.0)
 
     def delayed(self, h: Array, delay: float) -> Any:
         """Values a little later; before the first one the angle is that."""
@@ -145,13 +145,7 @@ def command_log(model: Model, rec: Record, sigma: float | None, label: str) -> C
 def _noise(y: Array) -> float:
     """The noise of one angle, that of its counts at least [rad]."""
     scatter = noise(y)
-    return max(scatter if np.isfinite(scatter) else 0.0, _count(y) / np.sqrt(12), 1e-9 * float(np.ptp(y))) or 1.0
-
-
-def _count(y: Array) -> float:
-    """The least step between neighbours [rad]."""
-    steps = abs(np.diff(y))
-    return float(np.min(steps[steps > 1e-9 * np.ptp(y)], initial=np.ptp(y)))
+    return max(scatter if np.isfinite(scatter) else 0.0, count_of(y) / np.sqrt(12), 1e-9 * float(np.ptp(y))) or 1.0
 
 
 def _rate(t: Array, y: Array) -> float:

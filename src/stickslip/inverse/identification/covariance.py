@@ -8,6 +8,7 @@ import numpy as np
 
 from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.basics.information import Information
+from stickslip.inverse.identification.rounding import beside_white, rounding_columns
 
 _ENOUGH = 60  # values of a record that tell its own noise
 _TIMES = 100.0  # by which the noise of a record may be found larger or smaller than its target supposes, beside that of the others
@@ -126,15 +127,17 @@ def determined_spread(problem: Any, jacobian: Any, residuals: Array, scale: floa
     r"""Covariance of the numbers of a point with undetermined directions left out.
 
     With the pseudo-inverse P of the derivatives it is :math:`P\,\Omega\,P^T`. Omega, the covariance of the residuals, is scale² times one
-    where they are white. Of a record whose neighbouring residuals are correlated, it has their autocorrelation beside the diagonal. Then
-    comes what the noise of the input moves (`from_the_input`), and what a misfit (`Misfit`) may have moved.
+    where they are white. Of rounded values it has what rounding makes of them (`rounding_columns`). Of a record whose neighbouring
+    residuals are correlated beyond that, it has their autocorrelation beside the diagonal. Then comes what the noise of the input moves
+    (`from_the_input`), and what a misfit (`Misfit`) may have moved.
     """
     info = information_of(problem, jacobian)
     covariance, inverse, begin = info.of_the_determined(scale), info.inverse, 0
-    for target in problem.targets:
+    for target, columns in zip(problem.targets, rounding_columns(problem, residuals, scale), strict=True):
         end = begin + target.count
         if getattr(target, "within", 0.0) == 0.0:  # averaged values have lost their order
-            covariance = covariance + _coloured(inverse[:, begin:end], residuals[begin:end], scale)
+            own = inverse[:, begin:end]
+            covariance = covariance + _rounded(own, columns, scale) + _coloured(own, residuals[begin:end], scale, columns)
         begin = end
     covariance = covariance + from_the_input(problem, jacobian, changes)
     if misfit is None:
@@ -165,12 +168,21 @@ def root_of(covariance: Array) -> Any:
     return vectors * np.sqrt(np.maximum(values, 0.0))
 
 
-def _coloured(inverse: Any, rest: Array, scale: float) -> Any:
-    """The contribution of correlated residuals of one record to the covariance."""
-    n = len(rest)
-    if n < 50 or abs(neighbours(rest)) < _WHITE / np.sqrt(n):
+def _rounded(inverse: Any, columns: Any, scale: float) -> Any:
+    """By how much rounding of one record makes the covariance larger than white noise of the same size does."""
+    if not columns.shape[1]:
         return 0.0
-    rho = autocorrelation(rest)
+    white = beside_white(columns, scale**2)[1]
+    moved = inverse @ columns
+    return moved @ moved.T - (scale**2 - white) * (inverse @ inverse.T)
+
+
+def _coloured(inverse: Any, rest: Array, scale: float, columns: Any) -> Any:
+    """The contribution of correlated residuals of one record to the covariance, beyond that of its rounding."""
+    n = len(rest)
+    rho = colour(rest, columns)
+    if n < 50 or abs(rho[1]) < _WHITE / np.sqrt(n):
+        return 0.0
     rho = rho[: _memory(rho)]
     kernel = np.zeros(2 * n)
     kernel[1 : len(rho)] = rho[1:]
@@ -192,10 +204,27 @@ def neighbours(rest: Array) -> float:
 
 def autocorrelation(rest: Array) -> Any:
     """Correlation of residuals over their distance, 1 at zero: array (n,)."""
-    n, r = len(rest), rest - rest.mean()
-    lines = np.fft.rfft(r, 2 * n)
-    correlation = np.fft.irfft(lines * np.conj(lines))[:n].real
-    return correlation / correlation[0]
+    sums = _products(rest - rest.mean())
+    return sums / sums[0]
+
+
+def colour(rest: Array, columns: Any) -> Any:
+    """The same less what rounding makes of it (`rounding_columns`): array (n,); that of white noise where nothing is left."""
+    if len(rest) < 4 or not np.std(rest) > 0:
+        return np.eye(1, max(len(rest), 2))[0]
+    sums = _products(rest - rest.mean())
+    rho = sums / sums[0]
+    if columns.shape[1]:
+        rho = rho - _products((columns - columns.mean(axis=0)).T).sum(axis=0) / sums[0]
+        rho[0] = 1.0
+    return rho
+
+
+def _products(values: Array) -> Any:
+    """Sums of products of values that are so far apart, over the last axis."""
+    n = values.shape[-1]
+    lines = np.fft.rfft(values, 2 * n)
+    return np.fft.irfft(lines * np.conj(lines))[..., :n].real
 
 
 def _memory(rho: Any) -> int:
@@ -204,10 +233,10 @@ def _memory(rho: Any) -> int:
     return 2 * (int(np.argmax(pairs <= 0)) if (pairs <= 0).any() else len(pairs))
 
 
-def effective(rest: Array) -> float:
-    """How many independent values residuals are worth."""
+def effective(rest: Array, columns: Any = None) -> float:
+    """How many independent values residuals are worth; with the directions of rounding, those beside what rounding makes of them."""
     n = len(rest)
     if n < 8 or not np.std(rest) > 0:
         return float(n)
-    rho = autocorrelation(rest)
+    rho = autocorrelation(rest) if columns is None else colour(rest, columns)
     return float(n / max(2 * float(rho[: _memory(rho)].sum()) - 1, 1.0))

@@ -105,8 +105,7 @@ class MachineLog(Compared):
         """Times of the values, counted from the middle of the record [s]."""
         return self.t[self.at] - 0.5 * (self.t[0] + self.t[-1])
 
-    @property
-    def moved(self) -> tuple[Any, Any, Any]:
+    def moved(self, met: Any = None) -> tuple[Any, Any, Any]:
         """Times, positions and velocities of the values."""
         return self.t[self.at], self.x[self.at], self.v[self.at]
 

@@ -8,6 +8,7 @@ size along every direction in which structure was found. What the numbers take u
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +16,8 @@ import numpy as np
 
 from stickslip.basics.contracts import Array
 from stickslip.inverse.identification.covariance import determined_spread, information_of, noise_scale, still_promised
-from stickslip.inverse.identification.structure import Structure, structures
+from stickslip.inverse.identification.rounding import rounding_columns
+from stickslip.inverse.identification.structure import Left, Structure, structures
 
 _LARGE, _SURE = 1.15, 5.0  # times the given noise, and standard errors of its square, beyond which it explains no residuals
 _OF_SECOND_ORDER, _LITTLE = 4 / 3, 0.3  # whole error over what halves of the steps show of it; standard errors that do not matter
@@ -58,17 +60,21 @@ def misfit_of(problem: Any, minimum: Any, changes: Any) -> Misfit:
     """The misfit at the end of a search (`SearchEnd`)."""
     count = len(problem.y)
     residuals, inverse = minimum.residuals[:count], information_of(problem, minimum.jacobian).inverse[:, :count]
-    left = None if changes is None else changes - minimum.jacobian[:count] @ (inverse @ changes)
-    parts = (problem.parts(each) for each in (np.arange(count), residuals, problem.unclipped(residuals)))
+    visible = _beside_numbers(minimum.jacobian[:count], inverse)
+    inputs = problem.parts(visible(np.zeros((count, 0)) if changes is None else changes))
+    met = problem.y + residuals * problem.sigma
+    parts = (problem.parts(each) for each in (np.arange(count), residuals, problem.unclipped(residuals), met))
+    rounded = rounding_columns(problem, residuals, noise_scale(problem, minimum))
     said, columns, factor = [], [np.zeros((count, 0))], _off_what_is_known(problem, minimum.point)
     promised = still_promised(problem, minimum)
     columns += [residuals[:, None]] if promised else []
     steps, coarse = _coarse_steps(problem, minimum, inverse)
     columns += [steps] if coarse else []
-    for target, rows, rest, which in zip(problem.targets, *parts, strict=True):
-        tested = [] if np.ndim(problem.rows) else structures(target, rest, which, None if left is None else left[rows])
+    for target, rows, rest, which, here, noise, own in zip(problem.targets, *parts, inputs, rounded, strict=True):
+        left = Left(here, rest, which, noise, visible(_spread_out(own, rows, count))[rows])
+        tested = [] if np.ndim(problem.rows) else structures(target, left)
         said.append(tested[0].said if tested else "")
-        columns += [_column(one, rows, count, minimum.jacobian[:count], inverse) for one in tested]
+        columns += [_column(one, rows, count, visible) for one in tested]
         factor = max(factor, _too_large(target, rest[which], problem.sigma[rows][which]))
     return Misfit(tuple(said), np.concatenate(columns, axis=1), factor, promised, coarse)
 
@@ -88,12 +94,23 @@ def _coarse_steps(problem: Any, minimum: Any, inverse: Any) -> tuple[Any, float]
     return change[:, None], off if off > _LITTLE else 0.0
 
 
-def _column(one: Structure, rows: Any, count: int, jacobian: Any, inverse: Any) -> Any:
+def _beside_numbers(jacobian: Any, inverse: Any) -> Callable[[Any], Any]:
+    """What of columns of changes is left where the numbers of a fit follow them as far as they can."""
+    return lambda columns: columns - jacobian @ (inverse @ columns) if columns.shape[1] else columns
+
+
+def _spread_out(part: Any, rows: Any, count: int) -> Any:
+    """Columns of one record as columns of all values."""
+    whole = np.zeros((count, part.shape[1]))
+    whole[rows] = part
+    return whole
+
+
+def _column(one: Structure, rows: Any, count: int, visible: Callable[[Any], Any]) -> Any:
     """Directions of a structure with the size that it has there, as far as the parameters leave it visible."""
-    whole = np.zeros((count, one.basis.shape[1]))
-    whole[rows] = one.basis
-    visible = np.mean(np.sum((whole - jacobian @ (inverse @ whole)) ** 2, axis=0))
-    return whole * np.sqrt(one.power / max(float(visible), _LEAST_SEEN))
+    whole = _spread_out(one.basis, rows, count)
+    seen = float(np.mean(np.sum(visible(whole) ** 2, axis=0)))
+    return whole * np.sqrt(one.power / max(seen, _LEAST_SEEN))
 
 
 def _too_large(target: Any, rest: Array, sigma: Array) -> float:

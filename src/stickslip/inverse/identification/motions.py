@@ -129,8 +129,7 @@ class PrescribedMotion(Compared):
         """Times of the values, counted from the middle of the record [s]."""
         return self.t[self.compared] - 0.5 * (self.t[self.before] + self.t[-1])
 
-    @property
-    def moved(self) -> tuple[Any, Any, Any]:
+    def moved(self, met: Any = None) -> tuple[Any, Any, Any]:
         """Times, positions (from the first sample) and velocities of the values."""
         x = np.cumsum(self.v * np.diff(self.t, prepend=self.t[0]))
         return self.t[self.compared], x[self.compared], self.at[self.compared]

@@ -3,9 +3,11 @@
 Of a shaken robot that is at multiples of the drive, over its cycle, and from half to half of the record; of a force or a torque over a
 motion it is over velocities, over places, after reversals, and from half to half.
 
-Each test gives a probability under noise, whose size is that of what is left away from where the structure would stand; its colour, and
-what noise of the motion makes, are allowed for. The smallest probability is held against the level divided by the number of tests
-(Bonferroni), so that a record by the right law is blamed once in five hundred.
+Each test gives a probability under noise, whose size is that of what is left away from where the structure would stand; its colour,
+what noise of the motion makes, and rounding of the values to counts, which stays the same while they rest, are allowed for. Where values
+stand is judged by what their own noise does not move: by the motion over which a force was measured, by the model's of an angle. The
+smallest probability is held against the level divided by the number of tests (Bonferroni), so that a record by the right law is blamed
+once in five hundred.
 """
 
 from __future__ import annotations
@@ -17,7 +19,9 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.contracts import Array
+from stickslip.inverse.identification.covariance import effective
 from stickslip.inverse.identification.fit_text import OVER_MOTION
+from stickslip.inverse.identification.rounding import beside_white
 
 _LEVEL = 2e-3  # of all tests of a record together
 _LINES = 8  # multiples of the drive
@@ -48,26 +52,48 @@ class Structure:
     power: float
 
 
-def structures(target: Any, rest: Array, which: Any, inputs: Any = None) -> list[Structure]:
-    """The structure in the residuals of a record, the least likely first; empty where there is none, or no test for it.
+@dataclass(frozen=True, eq=False)
+class Left:
+    """What a fit leaves of a record, and what of it is noise that is not white, all in standard deviations.
 
     Parameters
     ----------
+    met : array (values,)
+        The values of the model, in the unit of the record.
     rest : array (values,)
-        What is left, in standard deviations.
+        What is left.
     which : array (values,) of bool
         The values that count.
-    inputs : array (values, repetitions), optional
+    inputs : array (values, repetitions)
         What other noise of the motion would leave.
+    rounded : array (values, directions)
+        What rounding leaves (`rounding_columns`).
     """
+
+    met: Any
+    rest: Any
+    which: Any
+    inputs: Any
+    rounded: Any
+
+    def of(self, which: Any) -> Left:
+        """That of some values."""
+        return Left(*(each[which] for each in (self.met, self.rest, self.which, self.inputs, self.rounded)))
+
+
+def structures(target: Any, left: Left) -> list[Structure]:
+    """The structure in the residuals of a record, the least likely first; empty where there is none, or no test for it."""
     over_motion = target.kind in OVER_MOTION
-    which = which & (rest != 0) if over_motion else which  # a contact that is held bears what was measured
+    which = left.which & (left.rest != 0) if over_motion else left.which  # a contact that is held bears what was measured
     if int(which.sum()) < _ENOUGH or target.within > 0 or target.kind == "mean":
         return []
-    rest, inputs = rest[which], None if inputs is None else inputs[which]
-    made = _over_motion(*(each[which] for each in target.moved)) if over_motion else _in_phase(target.phase[which], float(target.period))
-    tests = [_tested(basis, rest, inputs, said) for basis, said in made]
-    tests += [] if over_motion else _lines(target.phase[which], rest)
+    here = left.of(which)
+    if over_motion:
+        made = _over_motion(*(each[which] for each in target.moved(left.met)))
+    else:
+        made = _in_phase(target.phase[which], float(target.period))
+    tests = [_tested(basis, here, said) for basis, said in made]
+    tests += [] if over_motion else _lines(target.phase[which], here.rest)
     clear = sorted((one for one in tests if one.chance * len(tests) < _LEVEL), key=lambda one: one.chance)
     return [Structure(one.said, one.chance, _spread_out(one.basis, which), one.power) for one in clear]
 
@@ -79,24 +105,21 @@ def _spread_out(basis: Any, which: Any) -> Any:
     return whole
 
 
-def _tested(basis: Any, rest: Array, inputs: Any, said: str) -> Structure:
+def _tested(basis: Any, left: Left, said: str) -> Structure:
     """What is left along some directions beside what is left elsewhere."""
     from scipy.stats import f as ratio
 
     n, d = basis.shape
-    along = basis.T @ rest
-    left = rest - basis @ along
-    power, within = float(along @ along) / d, max(float(left @ left) / (n - d), 1e-300)
-    usual = within * _colour(left) + (0.0 if inputs is None else float(np.mean(np.sum((basis.T @ inputs) ** 2, axis=0))) / d)
+    along = basis.T @ left.rest
+    away = left.rest - basis @ along
+    power, within = float(along @ along) / d, max(float(away @ away) / (n - d), 1e-300)
+    white = beside_white(left.rounded, within)[1] if left.rounded.shape[1] else within
+    moved = basis.T @ np.concatenate([left.rounded, left.inputs / np.sqrt(max(left.inputs.shape[1], 1))], axis=1)
+    noise = white * max(n / effective(away, left.rounded), 1.0) * np.eye(d) + moved @ moved.T
+    usual = float(np.trace(noise)) / d
+    free = float(np.trace(noise) ** 2 / np.sum(noise**2))  # as many directions of equal noise would scatter alike (Satterthwaite)
     words = said.format(np.sqrt(power / within))
-    return Structure(words, float(ratio.sf(power / usual, d, n - d)), basis, max(power - usual, 0.0))
-
-
-def _colour(rest: Array) -> float:
-    """By how much colour of the noise makes sums scatter more than those of white noise, 1 or more."""
-    from stickslip.inverse.identification.covariance import effective
-
-    return float(max(len(rest) / effective(rest), 1.0))
+    return Structure(words, float(ratio.sf(power / usual, free, n - d)), basis, max(power - usual, 0.0))
 
 
 def _bins(index: Any) -> Any:
@@ -156,7 +179,7 @@ def _ordinal(n: int) -> str:
 # ---- forces over a motion ----
 def _over_motion(t: Any, x: Any, v: Any) -> Iterator[tuple[Any, str]]:
     """Means over velocities, over places in either direction, after reversals, and halves of the record."""
-    forwards = v > 0
+    forwards = _last_way(v) > 0
     bases = [
         (_bins(_ranked(v, _VELOCITIES)), "mean over velocities {:.2g} times that of noise"),
         (_bins(2 * _ranked(x, _PLACES) + forwards), "mean over places {:.2g} times that of noise"),
@@ -175,6 +198,12 @@ def _over_motion(t: Any, x: Any, v: Any) -> Iterator[tuple[Any, str]]:
         _unit(both if 0 < forwards.sum() < len(forwards) else both[:1]),
         "first and second half of the record differ by {:.2g} standard errors",
     )
+
+
+def _last_way(v: Any) -> Any:
+    """The sign of a velocity, while it rests the last one that it had: array (n,)."""
+    moving = np.maximum.accumulate(np.where(v != 0, np.arange(len(v)), 0))
+    return np.sign(v[moving])
 
 
 def _ranked(values: Any, bins: int) -> Any:

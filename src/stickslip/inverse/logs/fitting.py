@@ -202,7 +202,7 @@ def _next(chosen: Any, kind: Kind) -> list[str]:
     poor = [name for name, error in chosen.errors.items() if name in chosen.undetermined or error > 0.2 * abs(chosen.values[name])]
     if not poor or not kind.advises:
         return []
-    _, x, v = chosen.problem.targets[0].moved
+    _, x, v = chosen.problem.targets[0].moved(chosen.predicted[0])
     stroke, speed = float(max(x) - min(x)), float(max(abs(v)))
     if not stroke > 0 or not speed > 0:
         return []
