@@ -384,8 +384,8 @@ class _Linear:
     resolution, parameters, nuisances = 1e-9, type("P", (), {"free": ()})(), 0
 
     def __init__(self, count):
-        self.targets = [type("T", (), {"count": count, "weight": 1.0, "given_sigma": False})()]
-        self.y = np.zeros(count)
+        self.targets = [type("T", (), {"count": count, "weight": 1.0, "given_sigma": False, "within": 0.0})()]
+        self.y, self.sigma, self.parts = np.zeros(count), np.ones(count), lambda each: [each]
 
 
 @pytest.mark.parametrize("rho", [0.0, 0.5, 0.8])

@@ -135,7 +135,7 @@ def determined_spread(problem: Any, jacobian: Any, residuals: Array, scale: floa
     covariance, inverse, begin = info.of_the_determined(scale), info.inverse, 0
     for target, columns in zip(problem.targets, rounding_columns(problem, residuals, scale), strict=True):
         end = begin + target.count
-        if getattr(target, "within", 0.0) == 0.0:  # averaged values have lost their order
+        if target.within == 0.0:  # averaged values have lost their order
             own = inverse[:, begin:end]
             covariance = covariance + _rounded(own, columns, scale) + _coloured(own, residuals[begin:end], scale, columns)
         begin = end
@@ -183,7 +183,7 @@ def _coloured(inverse: Any, rest: Array, scale: float, columns: Any) -> Any:
     rho = colour(rest, columns)
     if n < 50 or abs(rho[1]) < _WHITE / np.sqrt(n):
         return 0.0
-    rho = rho[: _memory(rho)]
+    rho = rho[: max(_memory(rho), 2)]
     kernel = np.zeros(2 * n)
     kernel[1 : len(rho)] = rho[1:]
     kernel[-len(rho) + 1 :] = rho[:0:-1]

@@ -18,13 +18,24 @@ from stickslip.basics.contracts import Array
 
 _HARMONICS = 16  # of b that are counted; what comes after them is a twentieth of its square, and counts as white
 _COARSE = 1.2  # counts for each standard deviation of all that is left of a value, below which b is nothing
+_LEVELS, _LITTLE = 12, 0.15  # values in a record, and parts of a count left of it, with fewer and less than which it has steps of its own
 _SAME = 1e-9  # of the range of values: differences that are rounding of numbers
+_FEW, _WHOLE = 8.5, 0.15  # counts in a step between neighbours that is looked at, and by how many it may be off a whole number
 
 
 def count_of(y: Array) -> float:
     """The least step between neighbours, in the unit of the values: of rounded ones one count."""
     steps = abs(np.diff(y))
     return float(np.min(steps[steps > _SAME * np.ptp(y)], initial=np.ptp(y)))
+
+
+def rounded_to(y: Array) -> float:
+    """The count to which values are rounded, in their unit: neighbours differ by whole numbers of it; 0 for values that are not."""
+    count = count_of(y)
+    steps = abs(np.diff(y)) / count if count > 0 else np.empty(0)
+    steps = steps[(steps > 0.5) & (steps < _FEW)]
+    whole = np.round(steps)
+    return float(count * np.mean(steps / whole)) if len(steps) > 1 and abs(steps - whole).max() < _WHOLE else 0.0
 
 
 def rounding_columns(problem: Any, residuals: Array, scale: float) -> list[Any]:
@@ -34,13 +45,16 @@ def rounding_columns(problem: Any, residuals: Array, scale: float) -> list[Any]:
     place of the counts. Without directions where a record is not rounded, or noise of a count hides that.
     """
     parts = (problem.parts(each) for each in (residuals[: len(problem.y)], problem.sigma, problem.y))
-    return [_columns(target, *each, scale) for target, *each in zip(problem.targets, *parts, strict=True)]
+    averaged = (target.within > 0.0 for target in problem.targets)
+    return [
+        np.empty((len(y), 0)) if lost else _columns(rest, sigma, y, scale) for lost, rest, sigma, y in zip(averaged, *parts, strict=True)
+    ]
 
 
-def _columns(target: Any, rest: Array, sigma: Array, y: Array, scale: float) -> Any:
+def _columns(rest: Array, sigma: Array, y: Array, scale: float) -> Any:
     """Of one record."""
-    count, size = (count_of(y), scale * float(np.median(sigma))) if len(y) > 1 and target.within == 0.0 else (0.0, 1.0)
-    if not count > _COARSE * size:
+    count, size = rounded_to(y), scale * float(np.median(sigma))
+    if not count > _COARSE * size or (size < _LITTLE * count and len(np.unique(np.round((y - y[0]) / count))) < _LEVELS):
         return np.empty((len(y), 0))
     before = max(size**2 - count**2 / 12, 0.0)  # noise in front of the rounding, squared
     k = np.arange(1, _HARMONICS + 1)

@@ -41,7 +41,7 @@ def _law_and_load(fit: Fit, record: int) -> tuple[Any, float, float]:
     if not is_machine(model):
         return getattr(model, "friction", model), float(np.mean(target.load)), 1.0
     bare, per = machine_of(model).input or (model, {})
-    mechanics, (t, x, _) = machine_of(bare).mechanics, target.moved
+    mechanics, (t, x, _) = machine_of(bare).mechanics, target.moved(fit.predicted[record])
     return mechanics.laws[0], float(np.mean(mechanics.loads(t, (x,))[0])), float(per.get(target.kind, 1.0))
 
 
@@ -77,7 +77,7 @@ def friction_curve(fit: Fit, record: int = 0, ax: Ax = None) -> Any:
     if target.kind == "angle":
         raise InputError("plot", ["no torque was measured, from which friction would follow; type ss.plot.over_time(fit) for the angle"])
     law, load, per = _law_and_load(fit, record)
-    _, _, v = target.moved
+    _, _, v = target.moved(fit.predicted[record])
     grid = _velocities(v)
     steady = np.array([Setup(law, load, 1.0).steady_force(float(each)) for each in grid])
     shown = _forces(fit, record) if target.kind == "force" else np.interp(v, grid, steady) - residual_values(fit, record) * per
@@ -138,7 +138,7 @@ def over_time(fit: Fit, record: int = 0, ax: Ax = None) -> Any:
     'time (s)'
     """
     target = _motion(fit, record)
-    t, _, v = target.moved
+    t, _, v = target.moved(fit.predicted[record])
     curve, part = fit.predicted[record], slice(None) if target.kind == "angle" else _some_strokes(t, v)
     y = curve - residual_values(fit, record)
     factor, letter = prefix(y)
@@ -194,7 +194,7 @@ def residuals_over_velocity(fit: Fit, record: int = 0, ax: Ax = None) -> Any:
     'residual (mN)'
     """
     target = _motion(fit, record)
-    _, _, v = target.moved
+    _, _, v = target.moved(fit.predicted[record])
     rest = -residual_values(fit, record)
     (f, letter), (g, speed) = prefix(rest), prefix(v)
     ax = axes(ax)
