@@ -11,7 +11,8 @@ from scipy.optimize import brentq
 
 def mean_velocity(row):
     body, T = row["bodies"][0], row["period"]
-    if len(row["bodies"]) > 1 or body["friction"]["law"] != "coulomb":
+    later = row["id"][0] in "JG"  # rows that this adapter has not been taught
+    if len(row["bodies"]) > 1 or body["friction"]["law"] != "coulomb" or later:
         return None
     r, x, v = body["friction"], *hy.make_vars("x", "v")
     total = body["constant_force"] + sum(h["amplitude"] * hy.sin(h["omega"] * hy.time + h["phase"]) for h in body["forces"])

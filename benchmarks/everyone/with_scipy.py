@@ -6,8 +6,9 @@ from scipy.integrate import solve_ivp
 V0 = 1e-4  # of the row's velocity unit
 
 
-def applied(body, t):
-    return body["constant_force"] + sum(h["amplitude"] * np.sin(h["omega"] * t + h["phase"]) for h in body["forces"])
+def applied(body, t, x):
+    gravity = body.get("gravity_torque", 0.0) * np.sin(x)
+    return body["constant_force"] + sum(h["amplitude"] * np.sin(h["omega"] * t + h["phase"]) for h in body["forces"]) - gravity
 
 
 def mean_velocity(row):
@@ -17,16 +18,19 @@ def mean_velocity(row):
 
     def rhs(t, y):
         x, v, z = y[:n], y[n : 2 * n], y[2 * n :]
-        f, dz = np.array([applied(body, t) for body in bodies]), np.zeros(n)
+        f, dz = np.array([applied(body, t, q) for body, q in zip(bodies, x, strict=True)]), np.zeros(n)
         for link in row["springs"] + row["stops"]:
             i, j = link["between"]
-            e = max(x[i] - x[j] - link["gap"], 0.0) if "gap" in link else x[i] - x[j]
-            pull = link["stiffness"] * e + link.get("damping", 0.0) * (v[i] - v[j])
-            f[i], f[j] = f[i] - pull, f[j] + pull
+            apart, rate = (x[i], v[i]) if j is None else (x[i] - x[j], v[i] - v[j])
+            e = max(apart - link["gap"], 0.0) if "gap" in link else apart
+            pull = link["stiffness"] * e + link.get("damping", 0.0) * rate
+            f[i] -= pull
+            if j is not None:
+                f[j] += pull
         for i, r in ((i, b["friction"]) for i, b in enumerate(bodies) if b["friction"]):
-            side = "plus" if v[i] > 0 else "minus"
+            side = "plus" if v[i] > r.get("surface", 0.0) else "minus"
             if r["law"] == "coulomb":
-                f[i] -= r[side] * np.tanh(v[i] / (V0 * row["velocity_unit"]))
+                f[i] -= r[side] * np.tanh((v[i] - r.get("surface", 0.0)) / (V0 * row["velocity_unit"]))
             else:
                 g = r[side] + (r[f"static_{side}"] - r[side]) * np.exp(-((v[i] / r["v_s"]) ** 2))
                 dz[i] = v[i] - r["sigma0"] * abs(v[i]) / g * z[i]
@@ -34,6 +38,7 @@ def mean_velocity(row):
         return np.concatenate([v, f / [b["mass"] for b in bodies], dz])
 
     ends = row["period"] * np.array([row["settle_periods"], row["settle_periods"] + row["window_periods"]])
-    done = solve_ivp(rhs, (0, ends[1]), np.zeros(3 * n), method="LSODA", t_eval=ends, rtol=1e-6, atol=1e-12, max_step=row["period"] / 20)
+    begun = [b.get(name, 0.0) for name in ("position", "velocity", "deflection") for b in bodies]
+    done = solve_ivp(rhs, (0, ends[1]), begun, method="LSODA", t_eval=ends, rtol=1e-6, atol=1e-12, max_step=row["period"] / 20)
     x = done.y[row["of_body"]]
     return (x[1] - x[0]) / (ends[1] - ends[0])

@@ -73,7 +73,7 @@ def _of_robot(run: Trajectory) -> list[tuple[str, str]]:
         ("velocity", millimetres(*velocity_range(run))),
         ("drive period", f"{1e3 * run.period_time:.6g} ms"),
         ("work of the drive in a period", f"{1e6 * work:.6g} µJ"),
-        ("worst residual of the energy balance", f"{balance.worst:.1e}"),
+        ("worst residual of the energy balance", f"{balance.worst:.2g}"),
         ("status", _status(run)),
     ]
 
@@ -102,7 +102,7 @@ def _of_bench(run: Trajectory) -> list[tuple[str, str]]:
         ("events", ", ".join(f"{name} {n}" for name, n in counts.items()) or "none"),
         ("velocity", millimetres(run.v.min(), run.v.max())),
         ("work that came in, work of friction", f"{balance.drive.sum():.6g} J, {balance.friction.sum():.6g} J"),
-        ("residual of the energy balance", f"{balance.worst:.1e}"),
+        ("residual of the energy balance", f"{balance.worst:.2g}"),
         ("status", _status(run)),
     ]
 
@@ -161,7 +161,7 @@ def _balance(run: Trajectory) -> list[tuple[str, str]]:
     when = "in a period" if run.model.period is not None else "in the run"
     works = [("work put in", balance.drive), ("work of friction", balance.friction), ("work of dampers and hits", balance.damping)]
     rows = [(f"{name} {when}", joules(_mean(work, balance.settle))) for name, work in works]
-    return [*rows, ("worst residual of the energy balance", f"{balance.worst:.1e}")]
+    return [*rows, ("worst residual of the energy balance", f"{balance.worst:.2g}")]
 
 
 def _mean(works: Any, settle: int) -> float:

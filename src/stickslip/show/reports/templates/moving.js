@@ -141,7 +141,12 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
       cursors.push(make("line", { y1: 0, y2: 20, class: "cursor" }, bars));
     }
     const scale = el("div", "row ticks"), ticks = el("div");
-    ticks.append(...[0, 0.25, 0.5, 0.75, 1].map((s) => el("small", "", number(s * m.t[n - 1], 3) + (s === 1 ? ` ${m.unit}` : ""))));
+    const end = m.t[n - 1], power = 10 ** Math.floor(Math.log10(end / 3)), step = power * [5, 2, 1].find((k) => k * power <= end / 3);
+    for (let k = 0; k * step <= end * (1 + 1e-9); k++) {
+      const last = (k + 1) * step > end * (1 + 1e-9), tick = el("small", "", number(k * step, 3) + (last ? ` ${m.unit}` : ""));
+      tick.style.left = `${(100 * k * step) / end}%`;
+      ticks.append(tick);
+    }
     scale.append(el("span"), ticks);
     lines.append(scale);
     const key = el("ul", "names key"), seen = new Set(m.rows.flatMap((r) => r.stretches.map((s) => s[2])));
