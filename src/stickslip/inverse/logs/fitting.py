@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 from stickslip.basics.arguments import explains_arguments
 from stickslip.basics.errors import InputError, StickslipError, did_you_mean
+from stickslip.basics.progress import progress_callback
 from stickslip.inverse.identification.ranking import UNDECIDED, Ranking, rank
 from stickslip.inverse.identification.uncertainty import faults
 from stickslip.inverse.logs.log_fit import LogFit
@@ -32,7 +34,7 @@ def fit(
     roles: dict[str, str] | None = None,
     sensor: dict[str, Any] | None = None,
     starts: int = 16,
-    progress: Callable[[int, int], None] | bool | None = None,
+    progress: Callable[[str, int, int], Any] | bool | None = None,
     **reading: Any,
 ) -> LogFit:
     """Fit friction laws to a file: roles, units, machine and law are proposed, and what was decided is in the result.
@@ -63,7 +65,8 @@ def fit(
     starts : int
         Starting points of each search.
     progress : callable or bool, optional
-        As for `identify`.
+        True for a progress line, or a function that is called with (what is fitted, starts done, in all), such as
+        ("joint with lugre: starts", 3, 17).
     **reading
         What else `read` takes, such as ``columns``, ``rate``, ``separator`` and ``decimal``.
 
@@ -171,7 +174,8 @@ class _Search:
         mass = {name: None for name in made.options.get("sensor", {}) if name == "inertia"}  # a number of the machine
         sensor = {} if self.sensor is None else {"sensor": mass | self.sensor}
         task = replace(made, options=made.options | sensor | {"starts": self.starts})
-        return task, task(self.records, progress=self.progress)
+        call = progress_callback(self.progress, "fit")
+        return task, task(self.records, progress=call and partial(call, f"{kind.name} with {law}: starts"))
 
 
 def _apart(one: Any, other: Any) -> float:

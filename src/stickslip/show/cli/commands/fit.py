@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import Problems
-from stickslip.basics.progress import ProgressLine
 from stickslip.show.cli import recorded
 from stickslip.show.cli.arguments import settings
 from stickslip.show.cli.declaring import RECORDS, SENSOR, argument, command
@@ -83,7 +82,7 @@ def act(asked: Namespace) -> Outcome:
         made = fit(
             asked.files, machine=asked.machine, law=asked.law, numbers=numbers, asymmetric=asked.asymmetric, sensor=sensor,
             units=recorded.pairs(asked.unit, "--unit"), roles=recorded.pairs(asked.role, "--role"), starts=asked.starts,
-            progress=ProgressLine("starts"), **{name: value for name, value in reading.items() if value},
+            progress=True, **{name: value for name, value in reading.items() if value},
         )  # fmt: skip
     written = [str(path) for path in made.save(asked.out)] if asked.out is not None else []
     text = recorded.in_command_words(str(made.report()))
