@@ -109,7 +109,7 @@ def test_no_contact_at_the_start_is_said():
         def load(self, t, x):
             return t - 1.0
 
-    with pytest.raises(ss.SolveError, match="load is not positive at the start"):
+    with pytest.raises(ss.InputError, match="the load is -1 N at the start, so there is no contact"):
         plain(Lifted(COULOMB), duration=1.0)
 
 

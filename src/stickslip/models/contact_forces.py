@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -76,11 +76,11 @@ def contact_columns(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: Ar
     if places:
         R = _held_alone(mechanics, resting, free, prescribed, places, R)
     elif np.any(resting) or np.any(closed):
-        _hold(mechanics, np.hstack([resting, closed]), t, q, u, loads, R, pressed, held)
+        _hold(_Instants(mechanics, t, q, u, held), np.hstack([resting, closed]), loads, R, pressed)
     for k, follows in enumerate(mechanics.of_motion if mechanics.joined else ()):  # what the motion asks of rails
         if follows:
             loads[:, k] = np.where(aloft[:, k], 0.0, load_under(mechanics, k, t, q, u, tuple(R.T), held))
-    moved = list(_under(mechanics, t, q, u, R, pressed, held))
+    moved = list(_under(_Instants(mechanics, t, q, u, held), R, pressed))
     if mechanics.joined and np.any(aloft):
         free, flies = _columns(mechanics.loose_accelerations(t, q, u, tuple(R.T), held), t), np.any(aloft, axis=1, keepdims=True)
         moved = list(np.where(flies, free, _columns(moved, t)).T)
@@ -117,25 +117,40 @@ def closed_stops(mechanics: Mechanics, t: Array, q: ArrayLike, u: ArrayLike) -> 
     return (abs(gaps) <= _CLOSED * speed * time) & (abs(rates) <= _CLOSED * speed)
 
 
-def _under(mechanics: Mechanics, t: Array, q: Any, u: Any, R: Array, pressed: Array, held: Any) -> tuple[Any, ...]:
+class _Instants(NamedTuple):
+    """A machine at some instants: times, coordinates, their velocities, and the states of its controllers."""
+
+    mechanics: Mechanics
+    t: Array
+    q: Any
+    u: Any
+    held: Any
+
+    def accelerations(self, R: Array) -> Any:
+        """Accelerations of the coordinates under friction forces (time, contact)."""
+        return self.mechanics.accelerations(self.t, self.q, self.u, tuple(R.T), self.held)
+
+
+def _under(at: _Instants, R: Array, pressed: Array) -> tuple[Any, ...]:
     """Accelerations under the friction forces and the forces of closed stops."""
-    moved = mechanics.accelerations(t, q, u, tuple(R.T), held)
+    moved, mechanics = at.accelerations(R), at.mechanics
     for stop, force in zip(mechanics.stops, pressed.T, strict=True):
         moved = tuple(a - h / m * force for a, h, m in zip(moved, stop.direction, mechanics.masses, strict=True))
-    return moved
+    return tuple(moved)
 
 
-def _hold(mechanics: Mechanics, resting: Array, t: Array, q: Any, u: Any, loads: Array, R: Array, pressed: Array, held: Any) -> None:
+def _hold(instants: _Instants, resting: Array, loads: Array, R: Array, pressed: Array) -> None:
     """Set the forces of contacts at rest and of closed stops to those that keep slip velocities and gap rates constant."""
+    mechanics, t = instants.mechanics, instants.t
     contacts = len(mechanics.contacts)
     R[resting[:, :contacts]] = 0.0
     if mechanics.joined:
-        _hold_joined(mechanics, resting, t, q, u, R, held)
+        _hold_joined(instants, resting, R)
         return
     g = np.array([*mechanics.directions, *(stop.direction for stop in mechanics.stops)])
     masses = np.array([np.broadcast_to(mass, ()) for mass in mechanics.masses], float)
     G = (g / masses) @ g.T
-    free = _columns(mechanics.accelerations(t, q, u, tuple(R.T), held), t)
+    free = _columns(instants.accelerations(R), t)
     prescribed = (*mechanics.offset_rates(t), *(stop.offset_rate(t) for stop in mechanics.stops))
     push = free @ g.T + _columns(prescribed, t)  # rates of the slips and gaps without the unknown forces
     for pattern in np.unique(resting, axis=0):
@@ -148,11 +163,12 @@ def _hold(mechanics: Mechanics, resting: Array, t: Array, q: Any, u: Any, loads:
             pressed[np.ix_(at, held[held >= contacts] - contacts)] = multipliers[:, len(bear) :]
 
 
-def _hold_joined(mechanics: Mechanics, resting: Array, t: Array, q: Any, u: Any, R: Array, held: Any) -> None:
+def _hold_joined(instants: _Instants, resting: Array, R: Array) -> None:
     """The same where a contact's friction accelerates all coordinates, by the inverse of the matrix of inertia at each instant."""
+    mechanics, t, q, u, _ = instants
     rows = mechanics.rows(0.0, q)
     g = np.stack([_columns(row, t) for row in rows], axis=1)  # (time, contact, coordinate)
-    free = _columns(mechanics.accelerations(t, q, u, tuple(R.T), held), t)
+    free = _columns(instants.accelerations(R), t)
     push = np.einsum("tik,tk->ti", g, free) + _columns(mechanics.offset_rates(t), t) + _columns(mechanics.slip_biases(t, q, u), t)
     felt = np.stack([np.einsum("tik,tk->ti", g, _columns(mechanics.pushed(t, q, row), t)) for row in rows], axis=-1)  # of each slip rate
     for pattern in np.unique(resting, axis=0):

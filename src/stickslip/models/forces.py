@@ -7,16 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.batch import flat, labels_of
 from stickslip.basics.contracts import Array, Model, Numeric
-from stickslip.basics.errors import InputError, Problems
+from stickslip.basics.errors import Problems
 from stickslip.basics.field_types import field_types
 from stickslip.basics.fields import is_array, leaves
 from stickslip.models.contact_forces import contact_columns
-from stickslip.models.friction.law_adapter import TINY, adapted, is_law, law_of
+from stickslip.models.friction.law_adapter import TINY, adapted, is_law
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.mechanics import rest_velocity
-from stickslip.models.normal_loads import normal_load
 
 if TYPE_CHECKING:
     from stickslip.models.friction.law_adapter import LawAdapter
@@ -94,36 +92,6 @@ def _values(given: Any) -> Any:
 
 def _any(condition: Any) -> bool:
     return condition if type(condition) is bool else bool(np.any(condition))
-
-
-def inner_start(model: Model, x: Numeric = 0.0) -> Any:
-    """Initial inner states of a run from rest, given by the law's `start` if it has one, else zeros: array (cases, states).
-
-    Parameters
-    ----------
-    x : float or array
-        Position of the body at t = 0, flat in the order of the cases [m].
-
-    Examples
-    --------
-    >>> import stickslip as ss
-    >>> inner_start(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[5e-4, 6e-4])).tolist()
-    [[0.0], [0.0]]
-    """
-    cases = labels_of(model).cases
-    if not law_of(model).has_start:
-        return np.zeros((cases, law_of(model).states))
-    batch = flat(model)
-    law = law_of(batch)
-    try:
-        start = law.start(normal_load(batch, 0.0, x))
-        inner = np.array([np.broadcast_to(np.asarray(z, float), cases) for z in start]).reshape(len(start), cases).T
-    except (TypeError, ValueError, ArithmeticError) as error:
-        hint = "it gives as many numbers as the law has inner states; take functions from stickslip.maths"
-        raise InputError(law.name, [f"start(load) cannot be computed ({error}); {hint}"]) from error
-    if not np.all(np.isfinite(inner)):
-        raise InputError(law.name, [f"start(load) gives {start!r}; allowed are finite numbers"])
-    return inner
 
 
 def offered_force(model: Any, t: Any, x: Any) -> Any:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
+from types import FunctionType, MethodType
 from typing import Any
 
 from stickslip.basics.contracts import Numeric
@@ -68,6 +69,11 @@ def lacks_motion(given: Any) -> str:
 
 def takes_arguments(function: Any, names: tuple[str, ...]) -> bool:
     """Whether an object is a function that can be called with so many arguments."""
+    plain, bound = (function.__func__, 1) if isinstance(function, MethodType) else (function, 0)
+    if isinstance(plain, FunctionType) and not plain.__dict__:  # nothing says that it stands for another one
+        code, count = plain.__code__, len(names) + bound
+        least, named = code.co_argcount - len(plain.__defaults__ or ()), code.co_kwonlyargcount - len(plain.__kwdefaults__ or ())
+        return least <= count and not named and (count <= code.co_argcount or bool(code.co_flags & inspect.CO_VARARGS))
     try:
         inspect.signature(function).bind(*names)
     except TypeError:

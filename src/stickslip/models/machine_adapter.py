@@ -35,9 +35,7 @@ class MachineAdapter:
     @cached_property
     def mechanics(self) -> Mechanics:
         """Its equations of motion, as functions of plain numbers."""
-        if self.is_single:
-            return OneBody(self.model)
-        return _mechanics_of_parts(self.model)
+        return fresh_mechanics(self.model)
 
     @cached_property
     def declaring(self) -> Any:
@@ -289,28 +287,21 @@ class MachineAdapter:
         return self.model.far_end_velocity if self.is_pulled else 0.0
 
 
+_KEPT = 8  # machines whose adapters, and with them their equations, are cached: a run and an analysis ask those of one repeatedly
+_kept: OrderedDict[int, MachineAdapter] = OrderedDict()
+
+
 def machine_of(model: Model) -> MachineAdapter:
-    """The adapter of a machine."""
-    return MachineAdapter(model)
-
-
-_KEPT = 8  # machines whose equations are cached, because an analysis needs those of one repeatedly
-_kept: OrderedDict[int, tuple[Any, Mechanics]] = OrderedDict()
-
-
-def _mechanics_of_parts(model: Model) -> Mechanics:
-    """The equations of a machine of several bodies; cached for frozen dataclasses, which do not change."""
-    declared = getattr(type(model), "__dataclass_params__", None)
-    if declared is None or not declared.frozen:
-        return fresh_mechanics(model)
+    """The adapter of a machine; cached for frozen dataclasses, which do not change."""
     kept = _kept.get(id(model))
-    if kept is not None and kept[0] is model:
-        return kept[1]
-    made = fresh_mechanics(model)
-    _kept[id(model)] = model, made
-    while len(_kept) > _KEPT:
-        with suppress(KeyError):
-            _kept.popitem(last=False)
+    if kept is not None and kept.model is model:
+        return kept
+    made, declared = MachineAdapter(model), getattr(type(model), "__dataclass_params__", None)
+    if declared is not None and declared.frozen:
+        _kept[id(model)] = made
+        while len(_kept) > _KEPT:
+            with suppress(KeyError):
+                _kept.popitem(last=False)
     return made
 
 
@@ -327,7 +318,7 @@ def fresh_mechanics(model: Any) -> Mechanics:
 
 
 def forget_mechanics() -> None:
-    """Forget the equations that are cached, because a function that made them gives others now."""
+    """Forget the adapters that are cached, because a function that made their equations gives others now."""
     _kept.clear()
 
 

@@ -6,7 +6,7 @@ Everything here takes floats, arrays of cases or symbols, so that the plain inte
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import reduce
+from functools import cached_property, reduce
 from operator import add
 from types import MappingProxyType
 from typing import Any, Protocol
@@ -271,7 +271,7 @@ class OneBody(Mechanics):
     def __init__(self, model: OneContact):
         self.model = model
 
-    @property
+    @cached_property
     def laws(self) -> tuple[LawAdapter, ...]:
         """The law of its contact."""
         return (law_of(self.model),)

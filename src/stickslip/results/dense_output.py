@@ -156,7 +156,9 @@ def _few(c: Array, index: Array) -> tuple[Array, Array]:
 
 def _horner(c: Array, index: Array, theta: Array) -> Array:
     """Sum of c[..., index, k] theta^k."""
-    by_power = np.ascontiguousarray(np.moveaxis(c, -1, 0))
+    by_power = np.moveaxis(c, -1, 0)
+    if len(index) > c.shape[-2]:  # each piece at many times
+        by_power = np.ascontiguousarray(by_power)
     value = by_power[-1].take(index, axis=-1)
     for of_power in by_power[-2::-1]:
         value *= theta

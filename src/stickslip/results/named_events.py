@@ -9,7 +9,6 @@ many digits as that of a passage.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -138,32 +137,36 @@ class _Signal:
     def _passed(self, t: Array, index: Array, g: Array, sign: Array, band: float, size: float) -> list[tuple[float, int, int]]:
         """Passages from samples whose signs are known."""
         known = np.flatnonzero(sign)
-        passages: list[tuple[float, int, int]] = []
-        for a, b in pairwise(known.tolist()):
-            if sign[a] == sign[b] and b == a + 1:
-                continue
+        after: list[tuple[int, float, int]] = []  # the sample before, how large a function may be that is zero, and the sign after
+        touched: list[tuple[float, int, int]] = []
+        first, second = known[:-1], known[1:]
+        changes = (sign[first] != sign[second]) | (second > first + 1)
+        for a, b in zip(first[changes].tolist(), second[changes].tolist(), strict=True):
             if sign[a] == sign[b] and float(abs(g[a + 1 : b]).min()) > self._resolved * size:
                 continue
-            touches = sign[a] == sign[b] and b == a + 2
-            at = float(t[a + 1]) if touches else self._instant(t, index, int(sign[a]), a, band if b > a + 1 else 0.0)
-            passages.append((at, int(sign[a]), int(sign[b])))
-        if len(known) and known[-1] < len(sign) - 1:  # it comes to zero, and stays there until the end
-            a = int(known[-1])
-            passages.append((self._instant(t, index, int(sign[a]), a, band), int(sign[a]), 0))
-        return passages
-
-    def _instant(self, t: Array, index: Array, side: int, a: int, band: float) -> float:
-        """Where the function leaves its side, between a sample and the next; at a node where it jumps."""
-        if index[a + 1] != index[a] or t[a + 1] <= t[a]:
-            return float(t[a + 1])
-        low, high = t[a : a + 1].copy(), t[a + 1 : a + 2].copy()
-        for _ in range(_HALVINGS):
-            middle = 0.5 * (low + high)
-            if self.values(middle, index[a : a + 1])[0] * side > band:
-                low = middle
+            if sign[a] == sign[b] and b == a + 2:
+                touched.append((float(t[a + 1]), int(sign[a]), int(sign[b])))
             else:
-                high = middle
-        return float(high[0])
+                after.append((a, band if b > a + 1 else 0.0, int(sign[b])))
+        if len(known) and known[-1] < len(sign) - 1:  # it comes to zero, and stays there until the end
+            after.append((int(known[-1]), band, 0))
+        at = self._instants(t, index, sign, after)
+        return sorted([*touched, *((instant, int(sign[a]), then) for instant, (a, _, then) in zip(at, after, strict=True))])
+
+    def _instants(self, t: Array, index: Array, sign: Array, after: list[tuple[int, float, int]]) -> list[float]:
+        """Where the function leaves its side, between samples and the next ones, by halves until they are neighbours; where it jumps."""
+        before = np.array([a for a, _, _ in after], int)
+        low, high, side, band = t[before], t[before + 1], sign[before], np.array([band for _, band, _ in after])
+        within = np.flatnonzero((index[before + 1] == index[before]) & (high > low))
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low[within] + high[within])
+            apart = (low[within] < middle) & (middle < high[within])
+            within, middle = within[apart], middle[apart]
+            if not len(within):
+                break
+            inside = self.values(middle, index[before[within]]) * side[within] > band[within]
+            low[within[inside]], high[within[~inside]] = middle[inside], middle[~inside]
+        return [float(at) for at in high]
 
 
 def arguments_at(run: Any, t: Array, index: Array, one: bool = False) -> tuple[Any, ...]:

@@ -22,6 +22,7 @@ from stickslip.models.contact_forces import held_by_controllers
 from stickslip.models.drives.drive_adapter import LEVEL, MISTAKEN
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
+from stickslip.models.normal_loads import normal_load
 from stickslip.models.rounding import without_rounding
 from stickslip.models.state_layout import of_one_contact
 from stickslip.results.dense_output import inner_rates
@@ -521,7 +522,7 @@ class Trajectory(Drawn, Judged, RunFiles):
         slip = float(self.model.contact_velocity(v))
         if slip * (slip + jump) >= 0:
             return z, memory
-        load = forces.normal_load(self.model, t, x)
+        load = normal_load(self.model, t, x)
         return law_of(self.model).passed_zero(tuple(map(float, np.ravel(z))), load, tuple(map(int, memory)))
 
     @property

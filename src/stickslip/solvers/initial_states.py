@@ -3,26 +3,24 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.basics.batch import Labels, flat, spread_over_cases
 from stickslip.basics.contracts import Array, Model
-from stickslip.basics.errors import Problems, did_you_mean
+from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.basics.fields import number
 from stickslip.basics.variables import unit_of
-from stickslip.models.forces import inner_start
-from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.kept_heights import above, least_height
-from stickslip.models.machine_adapter import machine_of
+from stickslip.models.machine_adapter import MachineAdapter, machine_of
 
 if TYPE_CHECKING:
     from stickslip.models.mechanics import Mechanics
 
 
 _SAME = 1e-9  # of the largest position or velocity: how well bodies at a prescribed distance must keep it
-_EXAMPLE = {name: f"{name}={{name: {value}}}" for name, value in (("x", 0.0), ("v", 0.1), ("z", 0.0), ("memory", 0), ("control", 0.0))}
 
 
 LARGEST_START = 1e9
@@ -35,148 +33,181 @@ def start_states(model: Model, labels: Labels, start: Any, problems: Problems) -
 
     A table (cases, 2 coordinates + inner states + memories): coordinates, their velocities, and what laws and controllers hold.
     """
-    if machine_of(model).names_parts:
-        return _of_parts(model, labels, start, problems)
-    return _of_one_body(model, labels, start, problems)
-
-
-def _of_one_body(model: Any, labels: Labels, start: Any, problems: Problems) -> Array:
-    """The same of one body on one contact, whose states have no names of parts."""
-    law, cases = law_of(model), labels.cases
-    inner, memories = law.states, law.modes
-    table = np.zeros((cases, 2 + inner + memories))
-    if start is None:
-        if law.has_start:
-            table[:, 2 : 2 + inner] = inner_start(model)
-        return table
-    if not isinstance(start, dict):
-        problems.add(f"start = {start!r}; allowed is a dict; type for example start=dict(v=0.01)")
-        return table
-    columns = {"x": [0], "v": [1], "z": list(range(2, 2 + inner))}
-    columns |= {"memory": list(range(2 + inner, 2 + inner + memories))} if memories else {}
-    for name, value in start.items():
-        if name not in columns:
-            problems.add(f"start has no {name!r}; {did_you_mean(str(name), columns)}")
-            continue
-        several = len(columns[name])
-        try:
-            value = number(value, unit_of(name, model) if name in ("x", "v") else None)
-            values = np.asarray(value, dtype=float)
-            if name == "memory" and np.any(values != np.round(values)):
-                problems.add(f"start[{name!r}] = {value!r}; allowed are whole numbers; type memory={(0,) * memories}")
-            elif several > 1:
-                values = values if values.ndim else np.repeat(values, several)
-                table[:, columns[name]] = np.broadcast_to(values, (*labels.shape, several)).reshape(cases, several)
-            elif columns[name] or np.any(values != 0.0):
-                if not columns[name]:
-                    problems.add(f"start has z = {value!r}, but {law_of(model).name} has no inner state; leave z out")
-                    continue
-                table[:, columns[name][0]] = spread_over_cases(value, labels)
-        except (TypeError, ValueError) as error:
-            allowed = f"a finite number or an array that broadcasts to {(*labels.shape, *([several] if several > 1 else []))}"
-            problems.add(f"start[{name!r}] = {value!r}; allowed is {allowed} ({error})")
-    if inner and "z" not in start and not problems.mistakes:
-        table[:, 2 : 2 + inner] = inner_start(model, table[:, 0] if cases > 1 else float(table[0, 0]))
-    if not np.all(np.isfinite(table)):
-        problems.add(f"start = {start!r} is not finite; allowed are finite numbers")
-    elif not problems.mistakes:
-        _check_sizes(model, labels, table, problems)
+    of, counted = machine_of(flat(model) if labels.shape else model), len(problems.mistakes)
+    m, cases = of.mechanics, labels.cases
+    inner, held, memories = sum(law.states for law in m.laws), sum(m.controllers.counts), sum(law.modes for law in m.laws)
+    ends = [*itertools.accumulate((m.coordinates, m.coordinates, inner, held, memories), initial=0)]
+    table = np.zeros((cases, ends[-1]))
+    q, u, z, control, memory = (table[:, begin:end] for begin, end in itertools.pairwise(ends))
+    parts = {} if start is None else _parts_of(m)
+    given = {} if start is None else _given(m, parts, start, problems)
+    fill = _Filling(parts, given, labels, problems)
+    _move(m, model, fill, q, u)
+    places, rates = _numbers(q), _numbers(u)
+    loads = m.loads(0.0, places, rates)
+    _check_loads(m, loads, problems)
+    if inner:
+        _begin(m, places, rates, loads, z)
+        fill.into("z", z)
+    if held:
+        _put_columns(m.control_start(0.0, places, rates), control)
+        fill.into("control", control)
+    if memories:
+        fill.into("memory", memory)
+        if np.any(memory != np.round(memory)):
+            problems.add(f"start memory = {given['memory']!r}; allowed are whole numbers; type memory={(0,) * memories}")
+    if given and len(problems.mistakes) == counted:
+        _check_sizes(of, q, table, problems)
     return table
 
 
-def _check_sizes(model: Any, labels: Labels, table: Any, problems: Problems) -> None:
+def _parts_of(m: Mechanics) -> dict[str, dict[str, int]]:
+    """By what a start may give the parts that have it, with the number of their columns; empty where the machine has no such thing."""
+    bodies, laws = dict.fromkeys(m.bodies, 1), m.laws
+    inner = {name: law.states for name, law in zip(m.contacts, laws, strict=True)}
+    memories = {name: law.modes for name, law in zip(m.contacts, laws, strict=True)}
+    control = dict(zip(m.controllers.names, m.controllers.counts, strict=True))
+    return {"x": bodies, "v": bodies, "z": inner, "memory": memories, "control": control}
+
+
+def _given(m: Mechanics, parts: dict[str, dict[str, int]], start: Any, problems: Problems) -> dict[str, Any]:
+    """What a start gives by the names of states; else a sentence."""
+    if not isinstance(start, dict):
+        example = f"{{{m.bodies[0]!r}: 0.01}}" if len(m.bodies) > 1 else "0.01"
+        problems.add(f"start = {start!r}; allowed is a dict; type for example start=dict(v={example})")
+        return {}
+    there = {what for what, counts in parts.items() if any(counts.values())}
+    known = [what for what in parts if what in there or what == "z"]
+    for name, value in start.items():
+        if name not in known:
+            problems.add(f"start has no {name!r}; {did_you_mean(str(name), known)}")
+        elif name not in there and _is_something(value):
+            laws = " and ".join(dict.fromkeys(law.name for law in m.laws))
+            problems.add(f"start has z = {value!r}, but {laws or 'the machine'} has no inner state; leave z out")
+    return {name: value for name, value in start.items() if name in there}
+
+
+def _is_something(value: Any) -> bool:
+    """Whether a value for states that do not exist is anything but zeros."""
+    try:
+        return bool(np.any(np.asarray([*value.values()] if isinstance(value, dict) else value, float) != 0.0))
+    except (TypeError, ValueError):
+        return True
+
+
+def _move(m: Mechanics, model: Model, fill: _Filling, q: Array, u: Array) -> None:
+    """Coordinates and their velocities, from positions and velocities of bodies where these are given."""
+    if "x" in fill.given or "v" in fill.given:
+        x = _columns(m.positions(0.0, m.start), len(q))
+        v = _columns(m.velocities(0.0, (0.0,) * m.coordinates), len(q))
+        fill.into("x", x, unit_of("x", model))
+        fill.into("v", v, unit_of("v", model))
+        _put_columns(m.coordinates_of(tuple(x.T)), q)
+        _put_columns(m.coordinates_of(tuple(v.T)), u)
+        _check_distances(m, x, q, v, u, fill.problems)
+    else:
+        _put_columns(m.start, q)
+    _check_stops(m, q, fill.problems)
+    _check_heights(m, q, u, fill.problems)
+
+
+def _begin(m: Mechanics, q: Any, u: Any, loads: Any, into: Array) -> None:
+    """Inner states of contacts that nobody has moved, as their laws say."""
+    if not m.flying and not any(law.has_start for law in m.laws):
+        return  # zeros
+    begun: list[Any] = []
+    for law, load in zip(m.laws, loads, strict=True):
+        try:
+            own = _columns(law.start(load), len(into))
+        except (TypeError, ValueError, ArithmeticError) as error:
+            hint = "it gives as many numbers as the law has inner states; take functions from stickslip.maths"
+            raise InputError(law.name, [f"start(load) cannot be computed ({error}); {hint}"]) from error
+        if not np.all(np.isfinite(own)):
+            raise InputError(law.name, [f"start(load) gives {law.start(load)!r}; allowed are finite numbers"])
+        begun.extend(own.T)
+    _put_columns(m.completed(q, u, begun), into)
+
+
+def _numbers(table: Array) -> tuple[Any, ...]:
+    """The columns of a table: floats of a single case, else arrays of all cases."""
+    return tuple(table[0].tolist() if len(table) == 1 else table.T)
+
+
+def _put_columns(columns: Any, into: Array) -> None:
+    """Numbers or arrays of cases, one for each column, into a table (cases, columns)."""
+    for number_of_column, column in enumerate(columns):
+        into[:, number_of_column] = column
+
+
+def _columns(columns: Any, cases: int) -> Array:
+    """The same as a table of its own."""
+    table = np.empty((cases, len(columns)))
+    _put_columns(columns, table)
+    return table
+
+
+@dataclass(frozen=True)
+class _Filling:
+    """What a start gives, by the parts that have it."""
+
+    parts: dict[str, dict[str, int]]
+    given: dict[str, Any]
+    labels: Labels
+    problems: Problems
+
+    def into(self, what: str, table: Array, unit: str | None = None) -> None:
+        """What was given into a table: by name, or one number for each column along the last axis."""
+        value = self.given.get(what)
+        if value is None:
+            return
+        parts = self.parts[what]
+        if not isinstance(value, dict):
+            self._put(f"[{what!r}]", value, table, unit)
+            return
+        for name, own in value.items():
+            if name not in parts:
+                self.problems.add(f"start[{what!r}] has no {name!r}; {did_you_mean(str(name), parts)}")
+                continue
+            first = sum(itertools.islice(parts.values(), list(parts).index(name)))
+            self._put(f"[{what!r}][{name!r}]", own, table[:, first : first + parts[name]], unit)
+
+    def _put(self, where: str, value: Any, into: Array, unit: str | None) -> None:
+        """Numbers into some columns; a single column takes what broadcasts with the batch."""
+        count, shape = into.shape[1], self.labels.shape
+        try:
+            given = number(value, unit)
+            array = np.asarray(given, float)
+            if count == 1 and array.ndim <= len(shape):
+                into[:, 0] = spread_over_cases(given, self.labels)
+            else:
+                into[:] = np.broadcast_to(array, (*shape, count)).reshape(-1, count)
+            if not np.all(np.isfinite(into)):
+                self.problems.add(f"start{where} = {value!r} is not finite; allowed are finite numbers")
+        except (TypeError, ValueError) as error:
+            allowed = "a finite number" if count == 1 else f"{count} finite numbers along the last axis, or a dict by name"
+            broadcast = f" or an array that broadcasts to {(*shape, *([count] if count > 1 else []))}" if shape else ""
+            self.problems.add(f"start{where} = {value!r}; allowed is {allowed}{broadcast} ({error})")
+
+
+def _check_sizes(of: MachineAdapter, q: Array, states: Array, problems: Problems) -> None:
     """Note starts that are out of this world, and positions beside which the motion would be lost in rounding."""
-    worst = float(np.max(np.abs(table), initial=0.0))
+    worst = float(np.max(np.abs(states), initial=0.0))
     if worst > LARGEST_START:
         problems.add(f"start has a number of {worst:.6g}; allowed are sizes up to {LARGEST_START:.0e}, in SI units")
         return
-    time = machine_of(model).time_scale
-    moved = spread_over_cases(model.velocity_scale * (1.0 if time is None else time), labels)
-    lost = (moved > 0) & (np.spacing(np.abs(table[:, 0])) > RESOLVED * moved)
+    if not np.any(q):
+        return
+    time = of.time_scale
+    moved = np.broadcast_to(np.asarray(of.velocity_scale * (1.0 if time is None else time), float), len(q))[:, None]
+    lost = (moved > 0) & (np.spacing(np.abs(q)) > RESOLVED * moved)
     if np.any(lost):
-        case = int(np.argmax(lost))
-        most = RESOLVED * moved[case] / np.finfo(float).eps
-        x = f"start x = {table[case, 0]:.6g} m, where neighbouring numbers are {np.spacing(abs(table[case, 0])):.2g} m apart"
+        case, column = np.unravel_index(int(np.argmax(lost)), lost.shape)
+        x, way = float(q[case, column]), float(moved[case, 0])
+        most = RESOLVED * way / np.finfo(float).eps
         problems.add(
-            f"{x}: too far for a motion of {moved[case]:.2g} m in a period; allowed are sizes up to {most:.2g} m; measure x from nearby"
+            f"start x = {x:.6g} m, where neighbouring numbers are {np.spacing(abs(x)):.2g} m apart: too far for a motion of {way:.2g} m "
+            f"in a period; allowed are sizes up to {most:.2g} m; measure x from nearby"
         )
-
-
-def _of_parts(model: Model, labels: Labels, start: Any, problems: Problems) -> Array:
-    """The same of a machine that names its parts."""
-    batch = flat(model)
-    mechanics, cases = machine_of(batch).mechanics, labels.cases
-    laws = mechanics.laws
-    given = dict(start) if isinstance(start, dict) else {}
-    if start is not None and not isinstance(start, dict):
-        problems.add(f"start = {start!r}; allowed is a dict; type for example start=dict(v={{{mechanics.bodies[0]!r}: 0.01}})")
-    bodies, contacts = {name: 1 for name in mechanics.bodies}, mechanics.contacts
-    inner = {name: law.states for name, law in zip(contacts, laws, strict=True)}
-    memories = {name: law.modes for name, law in zip(contacts, laws, strict=True)}
-    for name in given:
-        if name not in _EXAMPLE:
-            problems.add(f"start has no {name!r}; {did_you_mean(str(name), _EXAMPLE)}")
-    still = (0.0,) * mechanics.coordinates
-    first = {"x": mechanics.positions(0.0, mechanics.start), "v": mechanics.velocities(0.0, still)}
-    x, v = (
-        _filled(what, given.get(what), bodies, _columns(first[what], cases), labels, problems, unit_of(what, model)) for what in ("x", "v")
-    )
-    q, u = (_columns(mechanics.coordinates_of(tuple(of.T)), cases) for of in (x, v))
-    _check_distances(mechanics, x, q, v, u, problems)
-    _check_stops(mechanics, q, problems)
-    _check_heights(mechanics, q, u, problems)
-    loads = mechanics.loads(0.0, tuple(q.T), tuple(u.T))
-    _check_loads(mechanics, loads, problems)
-    begun = [state for law, load in zip(laws, loads, strict=True) for state in law.start(load)]
-    begun = mechanics.completed(tuple(q.T), tuple(u.T), begun)
-    z = _filled("z", given.get("z"), inner, _columns(begun, cases), labels, problems)
-    memory = _filled("memory", given.get("memory"), memories, np.zeros((cases, sum(memories.values()))), labels, problems)
-    if np.any(memory != np.round(memory)):
-        problems.add(f"start memory = {given['memory']!r}; allowed are whole numbers")
-    controllers = mechanics.controllers
-    owned = dict(zip(controllers.names, controllers.counts, strict=True))
-    switched_on = mechanics.control_start(0.0, tuple(q.T), tuple(u.T))
-    held = _filled("control", given.get("control"), owned, _columns(switched_on, cases), labels, problems)
-    return np.hstack([q, u, z, held, memory])
-
-
-def _columns(rows: Any, cases: int) -> Array:
-    """Numbers or arrays of cases, one for each column, as a table (cases, columns)."""
-    return np.array([np.broadcast_to(np.asarray(row, float), (cases,)) for row in rows]).reshape(len(rows), cases).T.copy()
-
-
-def _filled(
-    what: str, value: Any, parts: dict[str, int], table: Array, labels: Labels, problems: Problems, unit: str | None = None
-) -> Array:
-    """The table with what was given: by name, or one number for each column along the last axis."""
-    if value is None:
-        return table
-    if isinstance(value, dict):
-        for name, own in value.items():
-            if name not in parts:
-                problems.add(f"start[{what!r}] has no {name!r}; {did_you_mean(str(name), parts)}")
-                continue
-            first = sum(itertools.islice(parts.values(), list(parts).index(name)))
-            _put(f"{what}[{name!r}]", own, table[:, first : first + parts[name]], labels, problems, unit)
-        return table
-    _put(what, value, table, labels, problems, unit)
-    return table
-
-
-def _put(what: str, value: Any, into: Array, labels: Labels, problems: Problems, unit: str | None) -> None:
-    """Numbers into some columns; a single column takes what broadcasts with the batch."""
-    count = into.shape[1]
-    try:
-        given = number(value, unit)
-        array = np.asarray(given, float)
-        if count == 1 and array.ndim <= len(labels.shape):
-            into[:, 0] = spread_over_cases(given, labels)
-        else:
-            into[:] = np.broadcast_to(array, (*labels.shape, count)).reshape(-1, count)
-        if not np.all(np.isfinite(into)):
-            problems.add(f"start {what} = {value!r} is not finite; allowed are finite numbers")
-    except (TypeError, ValueError) as error:
-        problems.add(f"start {what} = {value!r}; allowed are {count} numbers along the last axis, or a dict by name ({error})")
 
 
 def _check_distances(mechanics: Mechanics, x: Array, q: Array, v: Array, u: Array, problems: Problems) -> None:
@@ -192,17 +223,23 @@ def _check_distances(mechanics: Mechanics, x: Array, q: Array, v: Array, u: Arra
 def _check_loads(mechanics: Mechanics, loads: Any, problems: Problems) -> None:
     """Note contacts that nothing presses together at the start of any case and that do not fly; of some cases the status says it."""
     for i, (name, law, load) in enumerate(zip(mechanics.contacts, mechanics.laws, loads, strict=True)):
+        if isinstance(load, float) and load > 0.0:
+            continue
         none = np.asarray(load, float) <= 0.0 if not mechanics.of_motion or not mechanics.of_motion[i] else np.asarray(load, float) < 0.0
         if not law.flies and np.all(none):
-            mistake = f"the load of the contact {name!r} is {float(np.max(load)):.4g} N at the start, so there is no contact"
+            where = f" of the contact {name!r}" if mechanics.joints else ""
+            mistake = f"the load{where} is {float(np.max(load)):.4g} N at the start, so there is no contact"
             problems.add(f"{mistake}; allowed is more than zero; give another load=, or restitution=0.0 for a body that flies and lands")
 
 
 def _check_heights(mechanics: Mechanics, q: Array, u: Array, problems: Problems) -> None:
     """Note points that a contact keeps on the ground and that do not begin there, or leave it; those that fly begin nowhere below it."""
+    heights = mechanics.heights(0.0, tuple(q.T), tuple(u.T))
+    if not heights:
+        return
     low, slow = least_height(mechanics)
     flies = {name for name, law in zip(mechanics.contacts, mechanics.laws, strict=True) if law.flies}
-    for name, (height, rate) in mechanics.heights(0.0, tuple(q.T), tuple(u.T)).items():
+    for name, (height, rate) in heights.items():
         where = f"the point of the contact {name!r}"
         if name in flies:
             gap, speed = above(mechanics, (height, rate))
@@ -233,7 +270,7 @@ def _check_above(where: str, gap: Any, rate: Any, problems: Problems) -> None:
 
 def _check_stops(mechanics: Mechanics, q: Array, problems: Problems) -> None:
     """Note stops with restitution beyond which all cases begin; of some cases the status says it."""
-    size = np.max(abs(q), initial=0.0)
+    size = np.max(abs(q), initial=0.0) if mechanics.stops else 0.0
     for stop in mechanics.stops:
         gap = np.asarray(stop.gap(0.0, tuple(q.T)), float)
         if np.all(gap < -_SAME * max(size, 1e-300)):

@@ -15,7 +15,7 @@ import problems
 import stickslip as ss
 from rows import each_row
 from stickslip.maths import maximum, sin, where, within
-from stickslip.solvers.plain.deciding import decide
+from stickslip.solvers.plain.deciding import AtZero, decide
 from stickslip.solvers.plain.marching import marched
 from stickslip.solvers.request import request
 from stickslip.solvers.settings import Settings
@@ -72,7 +72,7 @@ def test_every_decision_satisfies_the_convex_problem(sort):
     rng = np.random.default_rng(5)
     for _ in range(400):
         G, beta, lo, hi = random_block(rng, sort)
-        found = decide(G, beta, lo, hi)
+        found = decide(AtZero(G, beta, lo, hi))
         R = np.array(found.R)
         rates, small = beta - G @ R, 1e-13 * (abs(beta).max() + abs(G).sum() * 2)
         assert np.all(hi + small >= R) and np.all(lo - small <= R)
@@ -89,25 +89,25 @@ def test_decisions_agree_with_descent_on_the_convex_problem():
         for _ in range(3000):
             for i in range(len(R)):
                 R[i] = min(max(R[i] + (beta[i] - G[i] @ R) / G[i, i], lo[i]), hi[i])
-        assert beta - G @ np.array(decide(G, beta, lo, hi).R) == pytest.approx(beta - G @ R, abs=1e-10)
+        assert beta - G @ np.array(decide(AtZero(G, beta, lo, hi)).R) == pytest.approx(beta - G @ R, abs=1e-10)
 
 
 def test_sixteen_feet_on_one_body_are_a_weighted_median():
     rng = np.random.default_rng(7)
     for _ in range(50):
         beta, hi = rng.uniform(-3, 3, 16), rng.uniform(0, 0.3, 16)
-        R = np.array(decide(np.ones((16, 16)), beta, -hi, hi).R)
+        R = np.array(decide(AtZero(np.ones((16, 16)), beta, -hi, hi)).R)
         x = brentq(lambda x: x - np.sum(hi * np.sign(beta - x)), -6, 6, xtol=1e-15)  # noqa: B023
         assert R.sum() == pytest.approx(x, abs=1e-12)
 
 
 def test_of_two_feet_that_rest_together_the_friction_is_shared_in_proportion_to_the_limits():
-    assert pytest.approx([0.5, 1.0], rel=1e-15) == decide(np.ones((2, 2)), [1.5, 1.5], [-1.0, -1.0], [1.0, 2.0]).R
+    assert pytest.approx([0.5, 1.0], rel=1e-15) == decide(AtZero(np.ones((2, 2)), [1.5, 1.5], [-1.0, -1.0], [1.0, 2.0])).R
 
 
 def test_a_dependent_resting_set_that_cannot_be_held_is_not_taken():
     """Two feet of one body with different prescribed accelerations cannot both rest, whatever least squares says."""
-    found = decide(np.ones((2, 2)), [0.5, -0.5], [-5.0, -5.0], [1.0, 1.0])
+    found = decide(AtZero(np.ones((2, 2)), [0.5, -0.5], [-5.0, -5.0], [1.0, 1.0]))
     assert found.sides in ([0, -1], [1, 0]) and min(abs(r) for r in found.rates) == 0.0 and max(abs(r) for r in found.rates) == 1.0
 
 
@@ -115,18 +115,18 @@ def test_of_several_answers_under_static_above_kinetic_friction_the_one_that_res
     """beta 1.1 on two coupled contacts of static 1 and kinetic 0: resting forces (.733, .733), but sliding both is consistent too."""
     G = [[1.0, 0.5], [0.5, 1.0]]
     arguments = dict(lo=[-1.0, -1.0], hi=[1.0, 1.0], slide=([0.0, 0.0], [0.0, 0.0]))
-    assert decide(G, [1.1, 1.1], **arguments).sides == [0, 0]
-    assert decide(G, [1.1, 1.1], **arguments, forced={0: 1}).sides == [1, 1]  # 1.1 is too much for the second alone
-    assert decide(G, [1.0, 0.9], **arguments, forced={0: 1}).sides == [1, 0]
+    assert decide(AtZero(G, [1.1, 1.1], **arguments)).sides == [0, 0]
+    assert decide(AtZero(G, [1.1, 1.1], **arguments, forced={0: 1})).sides == [1, 1]  # 1.1 is too much for the second alone
+    assert decide(AtZero(G, [1.0, 0.9], **arguments, forced={0: 1})).sides == [1, 0]
 
 
 def test_a_row_of_more_than_six_contacts_may_rest_but_not_change_all_at_once():
     G = 2.0 * np.eye(8) - np.eye(8, k=1) - np.eye(8, k=-1)
     limits = {"lo": [-1.0] * 8, "hi": [1.0] * 8}
-    assert decide(G, [0.05] * 8, **limits).sides == [0] * 8
-    assert decide(G, G @ ([1.0] + [0.2] * 7), **limits, forced={0: 1}).sides == [1] + [0] * 7
+    assert decide(AtZero(G, [0.05] * 8, **limits)).sides == [0] * 8
+    assert decide(AtZero(G, G @ ([1.0] + [0.2] * 7), **limits, forced={0: 1})).sides == [1] + [0] * 7
     with pytest.raises(ss.SolveError, match="8 contacts that push one another"):
-        decide(G, [3.0] * 8, **limits)
+        decide(AtZero(G, [3.0] * 8, **limits))
 
 
 # modules in a row -----------------------------------------------------------------------------------------------------

@@ -193,7 +193,9 @@ def flow_orbit(
     >>> round(float(o.passage.highest[0]), 3), o.stable  # X = 1.8857
     (1.886, True)
     """
-    y, T = _checked(flow, state, mode, periods, duration, settle, most, rtol, method), periods * float(flow.period or duration or 0.0)
+    _check_asked(flow, periods, duration, settle, most)
+    y = started(flow, state, mode, 1.0 if duration is None else duration, 0.0, rtol, None, "flow_orbit", method)
+    T = periods * float(flow.period or duration or 0.0)
     how: dict[str, Any] = {"rtol": rtol, "method": method}
     mode = mode_of_state(flow, y, mode=mode)
     if flow.period is None:
@@ -204,8 +206,8 @@ def flow_orbit(
     return _once(flow, _closed(flow, flow.drifts.wrapped(y), mode, T, most, how), periods, most, how)
 
 
-def _checked(flow: Any, state: Any, mode: Any, periods: Any, duration: Any, settle: Any, most: Any, rtol: Any, method: Any) -> Array:
-    """The guess; an error where something else was given."""
+def _check_asked(flow: Any, periods: Any, duration: Any, settle: Any, most: Any) -> None:
+    """An error where it is no flow, or numbers say no length of time."""
     needs_flow("flow_orbit", flow, f"{flow!r} is not a flow; allowed is a SwitchingFlow")
     problems = Problems("flow_orbit")
     problems.whole("periods", periods, 1, example=1, what=" of periods of the forcing")
@@ -219,7 +221,6 @@ def _checked(flow: Any, state: Any, mode: Any, periods: Any, duration: Any, sett
     if not free and duration is not None:
         problems.add(f"duration = {duration!r}, but the flow has a period; leave duration out, and give periods=")
     problems.check()
-    return started(flow, state, mode, 1.0 if duration is None else duration, 0.0, rtol, None, "flow_orbit", method)
 
 
 def _closed(flow: SwitchingFlow, y: Array, mode: Any, T: float, most: int, how: dict[str, Any]) -> FlowOrbit:

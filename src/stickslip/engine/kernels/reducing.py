@@ -226,23 +226,23 @@ def widen_all(S, W, D):
         wanted = wanted or (N[lane, CASE] >= 0 and N[lane, DONE] >= settle and N[lane, AGAIN] == 0)
     if not wanted:
         return
-    reach = wide(D[BODIES], D)
-    bend, last, after = reach + L, reach + 2 * L, reach + 3 * L
+    bend = wide(D[BODIES], D)
+    last, after = bend + L, bend + 2 * L
     for b in range(D[BODIES]):
         high, at = wide(b, D), D[F_K] + D[D[BODY_MOVES] + b] * whole * L
         for lane in range(L):
-            S[reach + lane] = S[bend + lane] = 0.0
+            S[bend + lane] = 0.0
             S[last + lane], S[after + lane] = S[at + lane] + S[at + L + lane], S[at + L + lane]
         for m in range(2, whole):
             for lane in range(L):
                 c = S[at + m * L + lane]
-                S[reach + lane] += abs(c)
                 S[bend + lane] += m * (m - 1) * abs(c)
                 S[last + lane] += c
                 S[after + lane] += m * c
         for lane in range(L):
             looked = N[lane, CASE] >= 0 and N[lane, DONE] >= settle and N[lane, AGAIN] == 0
-            if looked and may_widen(high + lane, at + lane, S[reach + lane], S, D):
+            first, before = S[at + lane], S[at + L + lane]
+            if looked and may_widen(high + lane, first, S[last + lane], before, S[after + lane], S[bend + lane], S, D):
                 part, k = part_made(lane, S, D), at + lane
                 if part != 1.0:
                     S[last + lane], S[after + lane] = on_step(k, part, S, D), slope_on_step(k, part, S, D)

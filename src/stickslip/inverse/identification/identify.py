@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -185,7 +185,7 @@ def identify(
     problem, best = held_back(weigh, problem, best if best.stopped else canonical(problem, best, spared))
     notes += outlier_notes(problem) + spared_note(spared)
     solved = problem.solves + rough.solves
-    return _fit(problem, best, starts, agree, notes, seed, tuple(records), solved, weigh)
+    return _fit(problem, best, _Effort(starts, agree, seed, solved), notes, tuple(records), weigh)
 
 
 def _at_the_guess(problem: MeasuredProblem, guesses: list[Any]) -> list[str]:
@@ -353,17 +353,16 @@ def _notes(records: list[Any], problem: Any) -> list[str]:
     return notes + [f"{label}: the sign of the force was reversed, so that friction dissipates energy" for label in turned]
 
 
-def _fit(
-    problem: MeasuredProblem,
-    best: SearchEnd,
-    starts: int,
-    agree: int,
-    notes: list[str],
-    seed: int,
-    records: tuple[Any, ...],
-    solves: int,
-    weigh: Any,
-) -> Fit:
+class _Effort(NamedTuple):
+    """How a best fit was looked for: from how many starts, how many of them agree, of which seed, with how many runs."""
+
+    starts: int
+    agree: int
+    seed: int
+    solves: int
+
+
+def _fit(problem: MeasuredProblem, best: SearchEnd, effort: _Effort, notes: list[str], records: tuple[Any, ...], weigh: Any) -> Fit:
     free = problem.parameters.free
     n, count = len(free), len(problem.y)
     if best.cost >= 0.99 * count * 1e8:
@@ -389,9 +388,9 @@ def _fit(
     law = type(getattr(model, "friction", model)).__name__
     provenance = {
         "stickslip": __version__,
-        "seed": seed,
-        "starts": starts,
-        "solves": solves,
+        "seed": effort.seed,
+        "starts": effort.starts,
+        "solves": effort.solves,
         "arguments": [_plain(f) for f in problem.parameters.fixed],
     }
     return Fit(
@@ -402,8 +401,8 @@ def _fit(
         best.jacobian,
         best.residuals[:count],
         scale,
-        starts,
-        agree,
+        effort.starts,
+        effort.agree,
         best.steps,
         tuple(notes),
         law,

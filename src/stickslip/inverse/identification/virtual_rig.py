@@ -82,7 +82,11 @@ def virtual_rig(
     >>> rec.synthetic, len(rec["velocity"]), round(rec.mean_velocity * 1e3, 1)
     (True, 2000, 1.7)
     """
-    _check(noise, periods, settle, samples, channels, bandwidth, resolution, harmonics, robot)
+    problems = Problems("virtual_rig")
+    _check_sampling(noise, periods, settle, samples, problems)
+    _check_sensors(channels, bandwidth, resolution, robot, problems)
+    _check_harmonics(harmonics, robot, problems)
+    problems.check()
     if any(harmonics):
         robot = robot.replace(drive=MultiHarmonic(robot.drive.omega, tuple(robot.drive.amplitude * part for part in (1.0, *harmonics))))
     run = solve(robot, periods=settle + periods + 1, settle=settle, rtol=rtol, samples=8, keep="trajectory")
@@ -102,16 +106,19 @@ _UNITS = {"velocity": "m/s", "absolute velocity": "m/s", "position": "m", "drive
 _LABEL = "SYNTHETIC: made by a virtual rig, not measured"
 
 
-def _check(
-    noise: float, periods: int, settle: int, samples: float, channels: Any, bandwidth: Any, resolution: float, harmonics: Any, robot: Model
-) -> None:
-    problems, drive, what = Problems("virtual_rig"), machine_of(robot).drive, type(robot).__name__
+def _check_sampling(noise: float, periods: int, settle: int, samples: float, problems: Problems) -> None:
+    """Note numbers of which no record can be made."""
     for name, value, least in (("noise", noise, 0), ("periods", periods, 1), ("settle", settle, 0), ("samples", samples, 4)):
         if not isinstance(value, (int, float, np.number)) or not least <= value < np.inf:
             problems.add(f"{name} = {value!r}; allowed is {least} or more; type for example {name}={max(least, 20)}")
     if not problems.mistakes and periods * samples > MOST_SAMPLES:
         count = f"periods = {periods!r} with samples = {samples!r} are {periods * samples:.3g} samples"
         problems.add(f"{count}; allowed are {MOST_SAMPLES:.0e} in all")
+
+
+def _check_sensors(channels: Any, bandwidth: Any, resolution: float, robot: Model, problems: Problems) -> None:
+    """Note channels that there are not, and sensors that cannot be."""
+    drive, what = machine_of(robot).drive, type(robot).__name__
     there = [name for name in CHANNELS if drive is not None or name not in _OF_THE_DRIVE]
     for name in channels:
         if not is_one_of(name, there):
@@ -120,6 +127,11 @@ def _check(
     if bandwidth is not None:
         checked_number("bandwidth", bandwidth, problems, between(1e-9, 1e12), "a positive frequency [Hz], or None", "bandwidth=500.0")
     checked_number("resolution", resolution, problems, between(0.0, 1e9), "0 or more", "resolution=1e-5")
+
+
+def _check_harmonics(harmonics: Any, robot: Model, problems: Problems) -> None:
+    """Note harmonics that are no two parts, or of a drive that is no sine."""
+    drive = machine_of(robot).drive
     if np.shape(harmonics) != (2,) or not np.isfinite(np.asarray(harmonics, float)).all():
         problems.add(f"harmonics = {harmonics!r}; allowed are two parts of the amplitude; type for example harmonics=(0.05, 0.02)")
     elif any(harmonics) and not _is_one_sine(drive):
@@ -127,7 +139,6 @@ def _check(
             f"harmonics = {harmonics!r} and the drive is {type(drive).__name__}; allowed is a Harmonic as it is; leave harmonics out, "
             "or give the robot a drive with them: ss.MultiHarmonic(frequency=32.7, amplitudes=(5e-4, 1e-4))"
         )
-    problems.check()
 
 
 def _is_one_sine(drive: Any) -> bool:

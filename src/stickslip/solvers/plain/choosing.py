@@ -15,7 +15,7 @@ import numpy as np
 
 from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.basics.errors import SolveError
-from stickslip.solvers.plain.deciding import ROUNDING, Answer, blocks, decide, is_common
+from stickslip.solvers.plain.deciding import ROUNDING, Answer, AtZero, blocks, decide, is_common
 from stickslip.solvers.plain.flights import begun_aloft, turned_aloft
 from stickslip.solvers.plain.plain_equations import ContactModes, Equations
 
@@ -142,10 +142,8 @@ def _at_once(e: Equations, t: float, y: ArrayLike, mode: ContactModes, problem: 
     ]
     own = {n: forced[i] for n, i in enumerate(problem.rows) if i in forced}
     lo, hi = [limits[i][0] for i in problem.rows], [limits[i][1] for i in problem.rows]
-    return decide(
-        problem.G, problem.part(push), lo, hi, slide=(kinetic[0], kinetic[1]), forced=own,
-        rested=problem.rested, rank=_ranks(e, t, problem, push),
-    )  # fmt: skip
+    ranks = _ranks(e, t, problem, push)
+    return decide(AtZero(problem.G, problem.part(push), lo, hi, (kinetic[0], kinetic[1]), own, problem.rested, ranks))
 
 
 def _ranks(e: Equations, t: float, problem: _Problem, push: Sequence[float]) -> list[int] | None:
@@ -196,7 +194,7 @@ def _by_derivatives(
     for m in range(1, _ORDERS + 1):
         low = [float(c[1][n, m]) if "-" in bound else -np.inf for n, bound in enumerate(bounds)]
         high = [float(c[2][n, m]) if "+" in bound else np.inf for n, bound in enumerate(bounds)]
-        decision = decide(G, c[0][:, m], low, high, small=size)
+        decision = decide(AtZero(G, c[0][:, m], low, high, small=size))
         rates = c[0][:, m] - G @ np.array(decision.R)
         freed = {rows[n]: _sign(rates[n]) for n, bound in enumerate(bounds) if bound and abs(rates[n]) > size}
         if freed:

@@ -15,7 +15,7 @@ import numpy as np
 from stickslip.basics.errors import InputError
 from stickslip.models.flow_contacts import NOT_LINEAR, ContactForces, is_same
 from stickslip.models.switching_flow import Switch, SwitchingFlow, knows_mode
-from stickslip.solvers.plain.deciding import ROUNDING, decide
+from stickslip.solvers.plain.deciding import ROUNDING, AtZero, decide
 
 if TYPE_CHECKING:
     from stickslip.basics.contracts import Array
@@ -181,10 +181,9 @@ class _Composition:
         limits = [laws[name].breakaway(loads[name]) for name in self.names]
         slide = tuple([self.contacts.sliding(name, side, slips[name], loads[name]) for name in self.names] for side in (-1, 1))
         matrix = np.array([[float(G[i, k]) for k in self.names] for i in self.names])
-        answer = decide(
-            matrix, [float(beta[i]) for i in self.names], [float(low) for low, _ in limits], [float(high) for _, high in limits],
-            (list(map(float, slide[0])), list(map(float, slide[1]))), forced, rested,
-        )  # fmt: skip
+        low, high = ([float(pair[k]) for pair in limits] for k in (0, 1))
+        kinetic = list(map(float, slide[0])), list(map(float, slide[1]))
+        answer = decide(AtZero(matrix, [float(beta[i]) for i in self.names], low, high, kinetic, forced, rested))
         return tuple(answer.sides)
 
 

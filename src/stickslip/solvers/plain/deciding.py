@@ -10,7 +10,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -35,18 +35,44 @@ class Answer:
 
 
 @dataclass
-class _Block:
-    """The problem of one block. `slide` are the kinetic forces (backwards, forwards); `forced` contacts slide, whatever comes of it."""
+class AtZero:
+    """Contacts at zero slip velocity, at one instant.
+
+    Parameters
+    ----------
+    G : array (k, k)
+        How much each contact's force takes of each rate w' [1/kg].
+    beta : array (k,)
+        Rates w' without any of these forces [m/s^2].
+    lo, hi : sequences of float
+        Static friction limits [N]; infinite where there is none.
+    slide : pair of sequences, optional
+        Forces of sliding backwards and forwards [N], where they are not the limits.
+    forced : dict, optional
+        Contacts that slide whatever comes of it, and which way.
+    rested : sequence of bool, optional
+        Contacts that rested before: they are preferred where several answers are consistent.
+    rank : sequence of int, optional
+        Order of contacts on one coordinate whose beta are equal now, a moment later.
+    small : float, optional
+        Error of beta, where it is more than rounding [m/s^2].
+    """
 
     G: Any
     beta: Any
     lo: Any
     hi: Any
-    slide: tuple[Any, Any]
-    forced: Mapping[int, int]
-    rested: Sequence[bool]
-    rank: Sequence[int]
-    small: float = 0.0  # error of beta
+    slide: Any = None
+    forced: Mapping[int, int] = field(default_factory=dict)
+    rested: Any = None
+    rank: Any = None
+    small: float = 0.0
+
+    def __post_init__(self) -> None:
+        self.G, self.beta, self.lo, self.hi = (np.asarray(of, float) for of in (self.G, self.beta, self.lo, self.hi))
+        self.slide = (self.lo, self.hi) if self.slide is None else self.slide
+        self.rested = [False] * len(self) if self.rested is None else self.rested
+        self.rank = [0] * len(self) if self.rank is None else self.rank
 
     def __len__(self) -> int:
         return len(self.beta)
@@ -97,68 +123,42 @@ def is_common(G: Array) -> bool:
     return bool(np.all(abs(abs(G) - size) <= _SAME * size))
 
 
-def decide(
-    G: Any, beta: Any, lo: Limits, hi: Limits, slide: tuple[Limits, Limits] | None = None, forced: Mapping[int, int] | None = None,
-    rested: Sequence[bool] | None = None, rank: Sequence[int] | None = None, small: float = 0.0,
-) -> Answer:  # fmt: skip
+def decide(whole: AtZero) -> Answer:
     """Forces and modes of contacts at zero slip velocity.
-
-    Parameters
-    ----------
-    G : array (k, k)
-        How much each contact's force takes of each rate w' [1/kg].
-    beta : array (k,)
-        Rates w' without any of these forces [m/s^2].
-    lo, hi : sequences of float
-        Static friction limits [N]; infinite where there is none.
-    slide : pair of sequences, optional
-        Forces of sliding backwards and forwards [N], where they are not the limits.
-    forced : dict, optional
-        Contacts that are known to slide, and which way.
-    rested : sequence of bool, optional
-        Contacts that rested before: they are preferred where several answers are consistent.
-    rank : sequence of int, optional
-        Order of contacts on one coordinate whose beta are equal now, a moment later.
-    small : float, optional
-        Error of beta, where it is more than rounding [m/s^2].
 
     Examples
     --------
     A body of 2 kg on two feet; the second is pulled back, so that the first holds:
 
-    >>> decide([[0.5, 0.5], [0.5, 0.5]], [1.0, 3.0], lo=[-4.0, -4.0], hi=[2.0, 2.0])
+    >>> decide(AtZero([[0.5, 0.5], [0.5, 0.5]], [1.0, 3.0], lo=[-4.0, -4.0], hi=[2.0, 2.0]))
     Answer(R=[0.0, 2.0], sides=[0, 1], rates=[0.0, 2.0])
     """
-    G, beta, count = np.asarray(G, float), np.asarray(beta, float), len(beta)
-    whole = _Block(
-        G, beta, np.asarray(lo, float), np.asarray(hi, float), slide if slide is not None else (lo, hi), forced or {},
-        rested if rested is not None else [False] * count, rank if rank is not None else [0] * count, small,
-    )  # fmt: skip
+    count = len(whole)
     R, sides = [0.0] * count, [0] * count
-    for block in blocks(G):
+    for block in blocks(whole.G):
         decision = _decide(_part(whole, block))
         for i, force, side in zip(block, *decision, strict=True):
             R[i], sides[i] = float(force), int(side)
-    rates = beta - G @ np.array(R) if count else beta
+    rates = whole.beta - whole.G @ np.array(R) if count else whole.beta
     return Answer(R, sides, [0.0 if side == 0 else float(rate) for side, rate in zip(sides, rates, strict=True)])
 
 
-def _part(whole: _Block, block: list[int]) -> _Block:
+def _part(whole: AtZero, block: list[int]) -> AtZero:
     forced = {n: whole.forced[i] for n, i in enumerate(block) if i in whole.forced}
     slide = tuple([values[i] for i in block] for values in whole.slide)
-    return _Block(
+    return AtZero(
         whole.G[np.ix_(block, block)], whole.beta[block], whole.lo[block], whole.hi[block], (slide[0], slide[1]), forced,
         [whole.rested[i] for i in block], [whole.rank[i] for i in block], whole.small,
     )  # fmt: skip
 
 
-def _decide(block: _Block) -> tuple[Sequence[float], Sequence[int]]:
+def _decide(block: AtZero) -> tuple[Sequence[float], Sequence[int]]:
     if len(block) == 1:
         return _single(block)
     return _common(block) if is_common(block.G) else _box(block)
 
 
-def _single(block: _Block) -> tuple[list[float], list[int]]:
+def _single(block: AtZero) -> tuple[list[float], list[int]]:
     """One contact: what would hold it, clipped to its limits."""
     R, lo, hi = float(block.beta[0] / block.G[0, 0]), float(block.lo[0]), float(block.hi[0])
     side = block.forced.get(0, 1 if hi < R else -1 if lo > R else 0)
@@ -168,7 +168,7 @@ def _single(block: _Block) -> tuple[list[float], list[int]]:
 # ---- one common coordinate -------------------------------------------------------------------------------------------
 
 
-def _common(block: _Block) -> tuple[list[float], list[int]]:
+def _common(block: AtZero) -> tuple[list[float], list[int]]:
     """A weighted median: contact i goes forwards while its beta is above x = sum R/M, and M x = sum R has one solution."""
     sign = np.sign(block.G[0])
     sizes = np.sqrt(np.diag(block.G) / block.G[0, 0])
@@ -190,7 +190,7 @@ def _common(block: _Block) -> tuple[list[float], list[int]]:
     return R, list(sides)
 
 
-def _medians(block: _Block, level: Any, sign: Any, free: list[int]) -> Iterable[list[int]]:
+def _medians(block: AtZero, level: Any, sign: Any, free: list[int]) -> Iterable[list[int]]:
     """Every order-respecting choice: a group of equal contacts rests, or the border lies between two groups."""
     keys = sorted({_key(level, block.rank, i, free, block.small) for i in free})
     borders = [*[(key, key) for key in keys], *itertools.pairwise([(-1, -1), *keys, (len(level), 0)])]
@@ -218,24 +218,24 @@ def _key(level: Any, rank: Sequence[int], i: int, free: list[int], small: float)
     return number, rank[i]
 
 
-def _turned(block: _Block, sign: Any, sizes: Any, group: list[int]) -> tuple[list[float], list[float]]:
+def _turned(block: AtZero, sign: Any, sizes: Any, group: list[int]) -> tuple[list[float], list[float]]:
     """Limits of contacts as forces on the coordinate in the direction of the first contact."""
     low = [float(sizes[i] * (block.lo[i] if sign[i] > 0 else -block.hi[i])) for i in group]
     high = [float(sizes[i] * (block.hi[i] if sign[i] > 0 else -block.lo[i])) for i in group]
     return low, high
 
 
-def _sliding(block: _Block, sign: Any, sizes: Any, sides: Sequence[int]) -> float:
+def _sliding(block: AtZero, sign: Any, sizes: Any, sides: Sequence[int]) -> float:
     return sum(float(sign[i] * sizes[i]) * block.force(i, side) for i, side in enumerate(sides) if side)
 
 
-def _needed(block: _Block, level: Any, sign: Any, sizes: Any, sides: Sequence[int]) -> float:
+def _needed(block: AtZero, level: Any, sign: Any, sizes: Any, sides: Sequence[int]) -> float:
     """The total force that the resting contacts must bear."""
     first = next(i for i, side in enumerate(sides) if side == 0)
     return float(level[first] / block.G[0, 0]) - _sliding(block, sign, sizes, sides)
 
 
-def _is_consistent_median(block: _Block, level: Any, sign: Any, sizes: Any, sides: Sequence[int]) -> bool:
+def _is_consistent_median(block: AtZero, level: Any, sign: Any, sizes: Any, sides: Sequence[int]) -> bool:
     if not all(side == 0 or math.isfinite(block.force(i, side)) for i, side in enumerate(sides)):
         return False
     group = [i for i, side in enumerate(sides) if side == 0]
@@ -271,7 +271,7 @@ def shared_forces(total: float, low: Limits, high: Limits) -> list[float]:
 # ---- anything else ---------------------------------------------------------------------------------------------------
 
 
-def _box(block: _Block) -> tuple[list[float], list[int]]:
+def _box(block: AtZero) -> tuple[list[float], list[int]]:
     """Every combination of modes, the preferred ones first; of a larger block the one in which nothing else changes."""
     choices = [block.choices(i) for i in range(len(block))]
     if len(block) > MOST:
@@ -285,7 +285,7 @@ def _box(block: _Block) -> tuple[list[float], list[int]]:
     raise SolveError("no combination of resting and sliding contacts is consistent")
 
 
-def _forces(block: _Block, sides: Sequence[int]) -> Any:
+def _forces(block: AtZero, sides: Sequence[int]) -> Any:
     """Forces of a combination; None where its resting contacts cannot be held."""
     R = np.array([block.force(i, side) if side else 0.0 for i, side in enumerate(sides)])
     resting = [i for i, side in enumerate(sides) if side == 0]
@@ -342,7 +342,7 @@ def _highest(rows: Any, left: Any) -> tuple[Any, float]:
     return (at[best, :n], float(at[best, n])) if len(at) else (np.zeros(n), least)
 
 
-def _goes(block: _Block, sides: Sequence[int], R: ArrayLike) -> bool:
+def _goes(block: AtZero, sides: Sequence[int], R: ArrayLike) -> bool:
     """Whether every sliding contact goes the way that its friction says; resting ones stay."""
     rates, noise = block.beta - block.G @ R, block.noise(R)
     return all(

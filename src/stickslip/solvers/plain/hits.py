@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.basics.contracts import Array, ArrayLike, Numeric
 from stickslip.basics.errors import SolveError
-from stickslip.solvers.plain.deciding import ROUNDING, blocks, decide
+from stickslip.solvers.plain.deciding import ROUNDING, AtZero, blocks, decide
 from stickslip.solvers.plain.plain_equations import SHORT, ContactModes, Equations
 
 _MOST = 100  # hits, one handing on the next, at one instant
@@ -50,7 +50,7 @@ def _common_restitution(e: Equations, rows: list[int]) -> float:
 def _impulse(e: Equations, rows: list[int], rates: list[float], restitution: float, G: Array) -> Any:
     """Change of the coordinates' velocities: impulses >= 0 with (rate after) >= -e (rate before) at each stop."""
     wanted = [(1 + restitution) * rates[i] if rates[i] < 0 else rates[i] for i in rows]
-    impulses = decide(G, wanted, [-np.inf] * len(rows), [0.0] * len(rows))
+    impulses = decide(AtZero(G, wanted, [-np.inf] * len(rows), [0.0] * len(rows)))
     return sum(np.array(e.weights[i]) * force for i, force in zip(rows, impulses.R, strict=True))
 
 
