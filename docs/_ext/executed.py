@@ -8,6 +8,7 @@ which CI takes as an error. Outputs are never kept in the repository, so none ca
 from __future__ import annotations
 
 import os
+import re
 import tempfile
 import time
 import traceback
@@ -82,7 +83,8 @@ def outputs(
         file = saved(figure, folder, f"{app.env.docname} {number} {k} {block.astext()}")
         uri = Path(os.path.relpath(file, source.parent)).as_posix()
         pictures.append(nodes.image(uri=uri, alt=block.get("alt") or in_words(figure), classes=["drawn"]))
-    text = [nodes.literal_block(output.text, output.text, language="none", classes=["output"])] if output.text else []
+    shape = ["output", *(["aligned"] if len(re.findall(r"^\S.*\S {3,}\S", output.text, re.M)) > 2 else [])]  # columns do not wrap
+    text = [nodes.literal_block(output.text, output.text, language="none", classes=shape)] if output.text else []
     html = [nodes.raw("", f'<div class="output html">{output.html}</div>', format="html")] if output.html else []
     return [*text, *html], pictures
 
