@@ -10,8 +10,6 @@ round by round; what the processor does beside them (decisions, numbers fetched 
 from __future__ import annotations
 
 import ast
-import re
-from pathlib import Path
 from time import process_time
 from typing import Any
 
@@ -21,7 +19,6 @@ import arith
 import pin  # noqa: F401  (one core)
 import stickslip as ss
 from stickslip.engine import cache, driver, emit, lanes, slaved, tableaux
-from stickslip.engine.kernel_text import written
 from stickslip.solvers.lane_tables import CaseTable
 from stickslip.solvers.request import request
 from stickslip.solvers.settings import Settings
@@ -75,11 +72,10 @@ def called(robot: ss.Robot, method: object) -> tuple[float, int]:
         lanes._aligned = room
     S, many = held[0], repeated()
     S[kernel.table[driver.column("F_TEND")] :][: kernel.lanes] = 1e9
-    text = re.search(r'LINES = """\n(.*?)"""', Path(kernel.module.__file__).read_text(encoding="utf-8"), re.S)
     many(S, 1e-6, 1e18, CALLS, kernel.table)
     begun = process_time()
     many(S, 1e-6, 1e18, CALLS, kernel.table)
-    return (process_time() - begun) / CALLS, operations(ast.parse(text.group(1)).body, {})
+    return (process_time() - begun) / CALLS, operations(ast.parse(kernel.code.source.step.lines).body, {})
 
 
 def stop(_: int) -> None:
@@ -91,8 +87,8 @@ def repeated() -> Any:
     """What calls the step of a kernel many times, as its driver does."""
     kind = "void(f1, float64, float64, int64, i1)"
     call = "    for k in range(count):\n        call_step(table[AT_STEP], S, rtol, budget)\n"
-    text = f"@njit({kind})\ndef many(S, rtol, budget, count, table):\n{call}"
-    return cache.load(driver.source("a step again and again", {"many": kind}, [text], (), written), "many_steps", "many steps").many
+    text = f"@typed({kind})\ndef many(S, rtol, budget, count, table):\n{call}"
+    return cache.load(driver.source({"many": kind}, [text], ()), "many_steps", "many steps")["many"]
 
 
 def main() -> None:

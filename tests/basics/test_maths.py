@@ -15,7 +15,7 @@ from rows import each_row
 from stickslip import maths
 from stickslip.basics.forward_ad import variables
 from stickslip.engine import cache
-from stickslip.engine.kernel_text import function, header, written
+from stickslip.engine.kernel_text import KernelSource, function
 from stickslip.engine.rows import write_rows
 from stickslip.engine.symbols import FUNCTIONS, Graph, Sym
 from stickslip.engine.write import Writer
@@ -63,7 +63,7 @@ def compiled(names):
     lines = [w.value(getattr(maths, name)(x), {"x": "x[i]"}) for name in names]
     body = [*w.lines, *(f"out[{k}, i] = {value}" for k, value in enumerate(lines))]
     text = function("apply", "x, out", ["for i in range(len(x)):", *(f"    {line}" for line in body)], "void(f1, f2)")
-    return cache.load(header("test") + written({"apply": "void(f1, f2)"}, text), "test_functions", "functions").apply
+    return cache.load(KernelSource(text, {"apply": "void(f1, f2)"}), "test_functions", "functions")["apply"]
 
 
 def test_compiled_functions_are_exact_to_a_few_units_and_saturate_as_plain_ones_do():

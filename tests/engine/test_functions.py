@@ -11,14 +11,13 @@ import pytest
 from engine.test_emit import as_bits, as_float, fma
 from rows import each_row
 from stickslip.engine import cache, driver
-from stickslip.engine.kernel_text import written
 
 TEXT = '''
 HALF, FEW = 0.5, 3
 WEIGHTS = [1.0 / (k + 1) for k in range(4)]
 
 
-@njit("UniTuple(float64, 2)(float64, float64)", **OPTIONS)
+@typed("UniTuple(float64, 2)(float64, float64)")
 def ordered(a, b):
     """Two numbers in order."""
     if a <= b:
@@ -26,7 +25,7 @@ def ordered(a, b):
     return b, a
 
 
-@njit(Tuple((int64, float64))(int64, float64), **OPTIONS)
+@typed(Tuple((int64, float64))(int64, float64))
 def counted(n, x):
     k = 0
     while True:
@@ -39,12 +38,12 @@ def counted(n, x):
     return k, x
 
 
-@njit(boolean(i1, int64), **OPTIONS)
+@typed(boolean(i1, int64))
 def guarded(numbers, at):
     return at < len(numbers) and numbers[at] > 2 or not (at != 1)
 
 
-@njit(float64(f2, int64), **OPTIONS)
+@typed(float64(f2, int64))
 def weighed(table, row):
     """A row that is another one in each round, and numbers of constants."""
     total, here, k = 0.0, table[row], 0
@@ -57,7 +56,7 @@ def weighed(table, row):
     return total + rest[0] + len(rest) + k + 100 * i + 1000 * j
 
 
-@njit(int64(int64, int64), **OPTIONS)
+@typed(int64(int64, int64))
 def bits(a, b):
     found = (a & b) | (a ^ 5) << 1
     found |= (a > b) << 4
@@ -65,7 +64,7 @@ def bits(a, b):
     return found - (a // b) + a % b + (-a) // FEW
 
 
-@njit(void(f1, i1, b2, int64), **OPTIONS)
+@typed(void(f1, i1, b2, int64))
 def worked(x, n, small, count):
     places, totals = np.zeros(count, dtype=np.int64), np.zeros(count)
     room = np.empty(2)
@@ -95,7 +94,7 @@ def worked(x, n, small, count):
     n[5] = np.int64(seen) + (x[10] != x[10])
 
 
-@njit(float64(float64, int64), fastmath={"contract"})
+@typed(float64(float64, int64), fused=True)
 def turned(x, count):
     """Functions of angles, an array of rows and one of small numbers; its products and sums are exact, however they are rounded."""
     grid, codes = np.zeros((count, 3)), np.empty(count, dtype=np.int8)
@@ -109,7 +108,7 @@ def turned(x, count):
     return grid[count - 1, 2] * 0.5 + codes[count - 1]
 
 
-@njit(float64(f1, i1, f2, b2), **OPTIONS)
+@typed(float64(f1, i1, f2, b2))
 def entry(x, n, table, small):
     if n[0] < 0:
         return -1.0
@@ -121,16 +120,16 @@ def entry(x, n, table, small):
 
 def compiled(text, entry="entry", takes="float64(f1, i1, f2, b2)"):
     """A function of a text, as kernels get theirs."""
-    return getattr(cache.load(driver.source("a test", {entry: takes}, [text], (), written), "functions_test", "a test"), entry)
+    return cache.load(driver.source({entry: takes}, [text], ()), "functions_test", "a test")[entry]
 
 
 def in_python(text):
     """The same text, run by Python itself."""
 
-    def njit(*_, **__):
+    def typed(*_, **__):
         return lambda function: function
 
-    known = {"njit": njit, "np": np, "math": math, "fma": fma, "OPTIONS": {}, "int64": type_of, "float64": type_of, "boolean": type_of}
+    known = {"typed": typed, "np": np, "math": math, "fma": fma, "int64": type_of, "float64": type_of, "boolean": type_of}
     known |= {"void": type_of, "Tuple": lambda _: type_of, "f1": 0, "f2": 0, "i1": 0, "b2": 0}
     known |= {"as_bits": as_bits, "as_float": as_float}
     exec(text, known)
@@ -170,4 +169,4 @@ def test_a_text_computes_what_python_computes(count, seed):
 )
 def test_what_cannot_be_written_is_refused_with_its_text(body, what):
     with pytest.raises(Exception, match=re.escape(what)):
-        compiled(f"@njit(float64(f1, i1, f2, b2))\ndef entry(x, n, table, small):\n    {body}\n")
+        compiled(f"@typed(float64(f1, i1, f2, b2))\ndef entry(x, n, table, small):\n    {body}\n")

@@ -15,7 +15,7 @@ from house import PAGES, ROOT, blocks
 from rows import each_row
 
 SOURCES = sorted(p for p in (ROOT / "src" / "stickslip").rglob("*.py") if p.parent.name != "kernels")  # kernel texts are not modules
-HEAVY = ("numba", "llvmlite", "scipy", "matplotlib", "xarray", "pandas", "h5py", "pydantic", "jinja2", "sympy")
+HEAVY = ("llvmlite", "scipy", "matplotlib", "xarray", "pandas", "h5py", "pydantic", "jinja2", "sympy")
 
 
 def id_of(path):

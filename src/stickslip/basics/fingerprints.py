@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 #: Libraries whose functions and classes are identified by name.
-_LIBRARIES = frozenset({"stickslip", "numpy", "scipy", "xarray", "pandas", "numba", "llvmlite", "h5py", "h5netcdf", "matplotlib", "dask"})
+_LIBRARIES = frozenset({"stickslip", "numpy", "scipy", "xarray", "pandas", "llvmlite", "h5py", "h5netcdf", "matplotlib", "dask"})
 _MOST, _DEEPEST = 50_000, 150  # objects of one fingerprint; what refers to more, such as to a whole library, is unchecked
 #: Attributes of a class that say nothing about what it computes, or that follow from others.
 _ASIDE = frozenset(

@@ -26,7 +26,7 @@ _WHY = "killed, perhaps for its memory; or the script has no `if __name__ == '__
 
 #: Processes are copies of one that has no threads and has loaded what they need, where the system makes such: they begin at little cost.
 _COPIED = "forkserver" in multiprocessing.get_all_start_methods()
-_LOADED = frozenset({"stickslip", "numba"})  # packages of which it loads what this process has loaded
+_LOADED = frozenset({"stickslip", "llvmlite"})  # packages of which it loads what this process has loaded
 
 
 class WorkerLost(StickslipError):

@@ -2,59 +2,40 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
 from llvmlite import ir
-from numba import int64
-from numba.np.arrayobj import populate_array
 
+from stickslip.engine.entries import called, number_of
 from stickslip.engine.expressions import FLOAT64, INT64
 from stickslip.engine.function_body import View
-from stickslip.engine.functions import KINDS
+from stickslip.engine.signatures import ArrayOf, Signature, array_type, signature
 
 
-def outside(context: Any, functions: dict[str, str], shared: dict[str, str]) -> dict[str, Any]:
+def outside(functions: Mapping[str, str], shared: Mapping[str, str]) -> dict[str, Any]:
     """Writers of such calls by their names: ``call_NAME`` of a function at an address, ``NAME_of`` of a shared array, and `at_points`.
 
     Parameters
     ----------
-    context : Numba's target context
     functions, shared : dict
         Names and types, as texts.
     """
-
-    def at_address(kind: Any, builder: Any, args: list[Any]) -> Any:
-        given = zip(kind.args, args[1:], strict=True)
-        whole = [as_array(context, builder, takes, arg) if isinstance(arg, View) else arg for takes, arg in given]
-        return call(context, builder, kind.return_type(int64, *kind.args), [args[0], *whole])
-
-    def shared_array(which: int, kind: Any, builder: Any, args: list[Any]) -> View:
-        numbers = builder.inttoptr(args[0], INT64.as_pointer())
-        first, *shape = (builder.load(builder.gep(numbers, [ir.Constant(INT64, 4 * which + k)])) for k in range(1 + kind.ndim))
-        return View(builder.inttoptr(first, context.get_data_type(kind.dtype).as_pointer()), tuple(shape))
-
-    writers: dict[str, Any] = {f"call_{name}": partial(at_address, eval(kind, dict(KINDS))) for name, kind in functions.items()}
-    writers |= {f"{name}_of": partial(shared_array, which, KINDS[kind]) for which, (name, kind) in enumerate(shared.items())}
+    writers: dict[str, Any] = {f"call_{name}": partial(_at_address, signature(kind)) for name, kind in functions.items()}
+    writers |= {f"{name}_of": partial(_shared_array, which, array_type(kind)) for which, (name, kind) in enumerate(shared.items())}
     return writers | {"at_points": at_points}
 
 
-def call(context: Any, builder: Any, sig: Any, args: list[Any]) -> Any:
+def _at_address(kind: Signature, builder: Any, args: list[Any]) -> Any:
     """A call of the function at the address args[0] with the arguments after it."""
-    kind = context.call_conv.get_function_type(sig.return_type, sig.args[1:])
-    function = builder.inttoptr(args[0], kind.as_pointer())
-    return context.call_conv.call_function(builder, function, sig.return_type, sig.args[1:], args[1:])[1]
+    return called(builder, kind, args[0], args[1:])
 
 
-def as_array(context: Any, builder: Any, kind: Any, view: View) -> Any:
-    """An array as Numba's functions take it."""
-    size = context.get_abi_sizeof(context.get_data_type(kind.dtype))
-    array = context.make_array(kind)(context, builder)
-    strides = [ir.Constant(INT64, size)]
-    for length in view.shape[:0:-1]:
-        strides.insert(0, builder.mul(strides[0], length))
-    populate_array(array, view.data, view.shape, strides, size, None)
-    return array._getvalue()
+def _shared_array(which: int, kind: ArrayOf, builder: Any, args: list[Any]) -> View:
+    numbers = builder.inttoptr(args[0], INT64.as_pointer())
+    first, *shape = (builder.load(builder.gep(numbers, [ir.Constant(INT64, 4 * which + k)])) for k in range(1 + kind.axes))
+    return View(builder.inttoptr(first, number_of(kind.number).as_pointer()), tuple(shape))
 
 
 def at_points(builder: Any, args: list[Any]) -> None:

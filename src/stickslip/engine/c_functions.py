@@ -48,7 +48,7 @@ class CProgram:
 
     Examples
     --------
-    >>> text = "@njit(void(int64, f1))\ndef put(k, x):\n    x[k] = 2.0\n"
+    >>> text = "@typed(void(int64, f1))\ndef put(k, x):\n    x[k] = 2.0\n"
     >>> program = CProgram({"my_": text}, {}, {}, ())
     >>> program.function("my_", "put").name, program.written[0].splitlines()[0]
     ('my_put', 'static void my_put(int64_t k, double *x)')

@@ -7,12 +7,13 @@ where each field of a lane stands, and the addresses. So a new law costs the com
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterable
 from functools import lru_cache
 from typing import Any
 
 from stickslip.engine import cache
-from stickslip.engine.kernel_text import FUNCTIONS, LOOKS, addressed, header, kernel_text, written
+from stickslip.engine.kernel_text import FUNCTIONS, LOOKS, KernelSource, kernel_text
+from stickslip.engine.machine_code import Compiled
 from stickslip.engine.shared_arrays import SHARED
 from stickslip.engine.taylor import ORDER
 from stickslip.engine.texts import recurrence_text, status_text
@@ -48,11 +49,11 @@ FIELDS = tuple(name for name in _COLUMNS if name.startswith("F_"))
 _LISTS = ("SIDES", "KINDS", "STATE_OF", "BODY_MOVES", "BODY_SIGNAL", "LOOKED_AT")
 
 
-def table(module: Any, layout: dict[str, int], scale_at: tuple[int, ...], lists: tuple[tuple[int, ...], ...]) -> Any:
+def table(kernel: Compiled, layout: dict[str, int], scale_at: tuple[int, ...], lists: tuple[tuple[int, ...], ...]) -> Any:
     """The whole numbers by which the driver finds its way in a law's kernel: layout, addresses, places of lists, scales, lists."""
-    units = [module, *([_landing(layout["LANES"])] if layout["SERIES"] else ())]
+    units = [kernel, *([_landing(layout["LANES"])] if layout["SERIES"] else ())]
     units += [_apart(name) for name, needed in (("parts", layout["SIGNALS"]), ("changes", layout["CARRIED"])) if needed]
-    where = dict.fromkeys(FUNCTIONS, 0) | {name: _address(unit.addressed, name) for unit in units for name in unit.KINDS}
+    where = dict.fromkeys(FUNCTIONS, 0) | {name: at for unit in units for name, at in unit.addresses.items()}
     return table_of(where, layout, scale_at, lists)
 
 
@@ -79,12 +80,6 @@ def column(name: str) -> int:
     return _COLUMNS.index(name)
 
 
-def _address(unit: Any, name: str) -> int:
-    """Where a function stands that `functions.write_addressed` has written into a unit."""
-    (compiled,) = unit.overloads.values()
-    return int(compiled.library.get_pointer_to_function(f"{compiled.fndesc.llvm_func_name}.{name}"))
-
-
 #: What follows the driver's own texts where it does more: for more cases than lanes, and for a case that is held between calls.
 _BEHIND = {"advance": (), "advance_pooled": ("pooling",), "advance_to": ("advancing",), "follow": ("advancing", "following")}
 _TAKES = {"follow": "int64(f1, int64, i1, f2, i1, f2)"}  # what takes otherwise than the others
@@ -94,9 +89,8 @@ _TAKES = {"follow": "int64(f1, int64, i1, f2, i1, f2)"}  # what takes otherwise 
 def load(name: str = "advance") -> Any:
     """The compiled driver, `advance`; for more cases than lanes `advance_pooled`; for a held one `advance_to`, or leg by leg `follow`."""
     texts = ("columns", "flags", "turning", "noting_segments", "watching", "driving_lanes", *_BEHIND[name])
-    constants = [cache.SHORT_LOOPS, *_shared_constants()]
-    text = source("the driver of all kernels", {name: _TAKES.get(name, "int64(f1, int64, int64, i1)")}, constants, texts, written)
-    return getattr(cache.load(text, f"driver_{name}", "what all kernels share"), name)
+    made = source({name: _TAKES.get(name, "int64(f1, int64, int64, i1)")}, _shared_constants(), texts, short_loops=True)
+    return cache.load(made, f"driver_{name}", "what all kernels share")[name]
 
 
 def _shared_constants() -> list[str]:
@@ -118,29 +112,29 @@ def _apart(name: str) -> Any:
     functions, texts, label = _APART[name]
     rules = zip(("FEW_NODES", "FEW_WEIGHTS", "MANY_NODES", "MANY_WEIGHTS"), (*gauss(4), *gauss(6)), strict=True)
     constants = [*_LOOKS, *(f"{name} = {part!r}" for name, part in rules)]
-    return cache.load(source(label, functions, constants, texts, addressed), name, label)
+    return cache.load(source(_kinds(functions), constants, texts), name, label)
 
 
 @lru_cache
 def _landing(lanes: int) -> Any:
     """Where Taylor steps end; compiled for a number of lanes, because it is most of their work."""
     label = f"what all Taylor kernels share ({'one case' if lanes == 1 else 'many cases'})"
-    text = source("where Taylor steps end", ("land",), [_of_landing(lanes)], ("polynomials", "arcs"), addressed)
-    return cache.load(text, f"arcs_{lanes}", label)
+    return cache.load(source(_kinds(["land"]), [_of_landing(lanes)], ("polynomials", "arcs")), f"arcs_{lanes}", label)
 
 
 def _of_landing(lanes: int) -> str:
     return f"ORDER, L, STRIDE, POINTS = {ORDER}, {lanes}, {lanes}, {POINTS}"
 
 
-def source(label: str, functions: Any, constants: list[str], texts: tuple[str, ...], made: Callable[[Any, str, str], str]) -> str:
-    """The source of some functions of the texts, `written` for Python or `addressed` for the driver.
+def _kinds(names: Iterable[str]) -> dict[str, str]:
+    """Functions that the driver calls at their addresses, with their types."""
+    return {name: FUNCTIONS[name] for name in names}
 
-    Numba sees one call for each, or one for all, and `functions.py` writes what stands behind it.
-    """
-    known = [f"FUNCTIONS = {FUNCTIONS!r}", f"SHARED = {SHARED!r}"]
+
+def source(entries: dict[str, str], constants: list[str], texts: tuple[str, ...], short_loops: bool = False) -> KernelSource:
+    """The source of some functions of the texts."""
     text = "\n".join([*_places(), *constants, *map(kernel_text, texts)])
-    return "\n\n".join([header(label), *known, made(functions, text, "outside(context, FUNCTIONS, SHARED)")])
+    return KernelSource(text, entries, calls=FUNCTIONS, shared=SHARED, short_loops=short_loops)
 
 
 def _places() -> list[str]:

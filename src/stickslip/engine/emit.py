@@ -1,8 +1,5 @@
 """Lines of straight text as LLVM instructions: all lanes of a kernel as one vector, or plain numbers for one lane.
 
-Numba needs most of a step's compile time to read its lines, LLVM little to compile them. So Numba sees one call, of an intrinsic that
-writes the instructions itself (`steptext.py`). A kernel's file imports this.
-
 The lines are Python and mean what Python means by them, on floats, 64-bit whole numbers and conditions: ``name = expression``, loops
 ``for m in range(first, end):``, and ``if condition:`` around what is wanted only where the condition holds: lanes jump over it together,
 if none of them asks for it. A loop over ``each(first, end)`` is written out round by round, and one over ``outwards(first, end)`` begins in

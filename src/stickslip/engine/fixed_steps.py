@@ -12,7 +12,7 @@ from typing import Any
 from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError
 from stickslip.engine import cache
-from stickslip.engine.kernel_text import function, header, written
+from stickslip.engine.kernel_text import KernelSource, function
 from stickslip.engine.lanes import plain_name
 from stickslip.engine.lawtext import prelude
 from stickslip.engine.symbols import Sym
@@ -42,7 +42,7 @@ class TracedSlopes:
 class FixedStepKernel:
     """The compiled loop, and the numbers of the model that make its row."""
 
-    module: Any
+    advance: Any
     names: tuple[str, ...]
     states: int
 
@@ -79,8 +79,8 @@ def _usual_practice(eq: System) -> TracedSlopes:
 def fixed_step_kernel(model: Model) -> FixedStepKernel:
     """The compiled loop of a model's kind."""
     s, name = traced_slopes(model), label(model)
-    source = header(f"{name}, RK4") + written({"advance": _KIND}, _Loop(s).text())
-    return FixedStepKernel(cache.load(source, f"rk4_{plain_name(name)}", f"{name} (RK4, fixed steps)"), s.names, len(s.y))
+    source = KernelSource(_Loop(s).text(), {"advance": _KIND})
+    return FixedStepKernel(cache.load(source, f"rk4_{plain_name(name)}", f"{name} (RK4, fixed steps)")["advance"], s.names, len(s.y))
 
 
 class _Loop:

@@ -8,9 +8,9 @@ from functools import reduce
 from typing import Any, Protocol
 
 from llvmlite import ir
-from numba.core import types as kinds
 
 from stickslip.engine.expressions import BOOL, FLOAT64, INT8, INT64, INTRINSICS, Expressions, settled_names
+from stickslip.engine.signatures import ArrayOf
 
 #: Of floats, beside `INTRINSICS`.
 OF_FLOATS = {"math.floor": "llvm.floor.f64", "math.log2": "llvm.log2.f64", "math.copysign": "llvm.copysign.f64", "math.expm1": "expm1"}
@@ -60,9 +60,9 @@ class _Body(Expressions):
         self.names, self.loops = dict[str, Any](), list[tuple[Any, Any]]()
         self.settled = settled_names(text)
         given = iter(function.args)
-        for arg, kind in zip(text.args.args, signature.args, strict=True):
+        for arg, kind in zip(text.args.args, signature.takes, strict=True):
             first = next(given)
-            self.give(arg.arg, View(first, tuple(next(given) for _ in range(kind.ndim))) if isinstance(kind, kinds.Array) else first)
+            self.give(arg.arg, View(first, tuple(next(given) for _ in range(kind.axes))) if isinstance(kind, ArrayOf) else first)
         self.write(text.body)
         if not self.builder.block.is_terminated:
             self.builder.ret_void() if self.result == ir.VoidType() else self.builder.unreachable()

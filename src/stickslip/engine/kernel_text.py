@@ -1,9 +1,10 @@
-"""Parts of a kernel's file: its header, and functions on plain numbers with their types (`functions.py` compiles them)."""
+"""What a kernel is made of: functions on plain numbers with their types, which `machine_code.py` compiles."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from functools import lru_cache
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
 from hashlib import sha256
 from importlib import resources
 
@@ -35,55 +36,57 @@ FUNCTIONS = {
 }
 LOOKS = ("CLOCK_SIGNS", "FIRST_MODES", "GUARD_VALUES", "PASSED_REST", "RATES", "RESTING_CHANGES", "SAMPLE")
 
-#: What compiles the texts of kernels: their files import it.
-_COMPILER = ("addresses", "emit", "expressions", "function_body", "functions")
-#: The top of every kernel's file. What the driver calls at an address needs no wrapper for Python.
-_HEADER = '''"""Written by stickslip: {label}."""
-from numba import boolean, float64, int64, njit, types, void
-from numba.extending import intrinsic
-
-from stickslip.engine.addresses import outside
-from stickslip.engine.emit import write
-from stickslip.engine.functions import b1, b2, f1, f2, f3, i1, i2, write_addressed, write_functions  # {compiler}
-
-CALLED = {{"cache": CACHE, "error_model": "numpy", "nogil": True, "boundscheck": False}}
-BORROWING = {{"_nrt": False}}  # the caller owns all arrays, so that Numba need not count who holds them, in atomic steps, at each call
-OPTIONS = CALLED | BORROWING | {{"no_cpython_wrapper": True, "no_cfunc_wrapper": True}}
-'''
-
-#: What a file needs besides, some of whose functions return several numbers.
-_TUPLES = """from numba.core import cgutils
-
-Tuple, UniTuple = types.Tuple, types.UniTuple
-"""
+#: What compiles the texts of kernels.
+_COMPILER = ("addresses", "emit", "entries", "expressions", "function_body", "functions", "machine_code", "signatures")
 
 
-#: Functions that stand in one compiled unit (`functions.write_addressed`): of each, Numba would ask as much work as of them all.
-_ADDRESSED = """
-KINDS = {{
-{kinds}}}
+@dataclass(frozen=True)
+class StepLines:
+    """The lines of a step, and where they have what they read and write (`emit.py` writes them as instructions)."""
+
+    lines: str
+    lanes: int
+    group: int  # lanes of one call of the lines
+    width: int  # lanes of a vector
+    reads: dict[str, int]  # where the fields of names stand
+    rows: dict[str, int]
+    writes: dict[str, int]
 
 
-@intrinsic
-def written(typingctx):
-    def emit(context, builder, sig, args):
-        return write_addressed(context, builder, KINDS, TEXT, {outside})
-    return void(), emit
+@dataclass(frozen=True)
+class KernelSource:
+    """What is compiled as one piece.
 
+    Parameters
+    ----------
+    text : str
+        Functions and constants (`functions.py`).
+    entries : dict
+        Functions that are called from outside, by Python or, at their addresses, by the driver, with their types.
+    step : StepLines, optional
+        What the function `step` is made of.
+    calls, shared : dict
+        What the text calls at addresses and takes of shared arrays (`addresses.py`), with their types.
+    short_loops : bool
+        Its loops have few rounds over numbers that stand apart, which vectors gather far more slowly than they are read one by one.
+    """
 
-@njit(void(), **OPTIONS)
-def addressed():
-    written()
-"""
+    text: str
+    entries: dict[str, str]
+    step: StepLines | None = None
+    calls: dict[str, str] = field(default_factory=dict)
+    shared: dict[str, str] = field(default_factory=dict)
+    short_loops: bool = False
 
-
-def header(label: str) -> str:
-    """The top of a kernel's file: what it imports, and by a checksum with which compiler, so that one file never means two things."""
-    return _HEADER.format(label=label, compiler=_compiler())
+    @cached_property
+    def digest(self) -> str:
+        """A checksum of all this and of what compiles it."""
+        return sha256(f"{compiler()}{self!r}".encode()).hexdigest()[:20]
 
 
 @lru_cache(1)
-def _compiler() -> str:
+def compiler() -> str:
+    """A checksum of what compiles the texts of kernels."""
     folder = resources.files("stickslip.engine")
     return sha256(b"".join((folder / f"{name}.py").read_bytes() for name in _COMPILER)).hexdigest()[:16]
 
@@ -91,48 +94,9 @@ def _compiler() -> str:
 def function(name: str, takes: str, lines: Sequence[str], kind: str = "") -> str:
     """The text of one function, made of lines; what the driver calls is of the type that it has there."""
     body = [f"    {line}" for line in lines or ["return"]]
-    return "\n".join([f"@njit({kind or FUNCTIONS[name]})", f"def {name}({takes}):", *body, ""])
-
-
-def written(functions: dict[str, str], text: str, outside: str = "{}") -> str:
-    """The source of some functions of a text that Python calls, each with its types, below the header."""
-    several = [_TUPLES] if any("Tuple" in kind for kind in functions.values()) else []
-    return "\n\n".join([*several, _held(text), *(_written(*each, outside) for each in functions.items())])
-
-
-def addressed(names: Iterable[str], text: str, outside: str = "{}") -> str:
-    """The source of some of `FUNCTIONS`, of a text or of `outside`: the driver calls them, and Numba compiles them all as one."""
-    kinds = "".join(f'    "{name}": {FUNCTIONS[name]},\n' for name in names)
-    return "\n\n".join([_held(text), _ADDRESSED.format(kinds=kinds, outside=outside)])
-
-
-def _held(text: str) -> str:
-    """A text in the file of a kernel."""
-    held = text.replace("\\", "\\\\")
-    return f"TEXT = '''{held}'''"
+    return "\n".join([f"@typed({kind or FUNCTIONS[name]})", f"def {name}({takes}):", *body, ""])
 
 
 def kernel_text(name: str) -> str:
     """One of the texts of kernels."""
     return (resources.files("stickslip.engine") / "kernels" / f"{name}.py").read_text("utf-8")
-
-
-def _written(name: str, kind: str, outside: str) -> str:
-    """A function that Python calls."""
-    result, _, given = kind.rpartition("(")
-    takes = ", ".join(f"a{i}" for i in range(given.count(",") + 1))
-    call = f'write_functions(context, builder, sig, args, "{name}", TEXT, {outside})'
-    if "Tuple" in result:
-        call = f"context.make_tuple(builder, sig.return_type, cgutils.unpack_tuple(builder, {call}))"
-    return f"""
-@intrinsic
-def written_{name}(typingctx, {takes}):
-    def emit(context, builder, sig, args):
-        return {call}
-    return {kind}, emit
-
-
-@njit({kind}, **CALLED, **BORROWING)
-def {name}({takes}):
-    return written_{name}({takes})
-"""

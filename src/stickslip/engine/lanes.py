@@ -17,11 +17,12 @@ from stickslip.basics.contracts import Model
 from stickslip.basics.interruption import is_stopped, look
 from stickslip.basics.status import Status
 from stickslip.engine import cache, driver, slaved, taylor
-from stickslip.engine.kernel_text import addressed, header
+from stickslip.engine.kernel_text import FUNCTIONS, KernelSource
 from stickslip.engine.kernels import columns
 from stickslip.engine.kinds import known_kind
 from stickslip.engine.law_checks import check_numbers
 from stickslip.engine.lawtext import looks, prelude, work
+from stickslip.engine.machine_code import Compiled
 from stickslip.engine.observed import Observed, has_arms, lists_of, looked_at, signals_text
 from stickslip.engine.remembered import Remembered
 from stickslip.engine.rosenbrock_step import Step, write_step
@@ -52,7 +53,7 @@ _NAMED = ("DEGREE", "MASS", "F_C", "F_T", "F_T0", "F_HH", "F_K", "F_Y", "F_B", "
 class Kernel:
     """A compiled kernel and the shape of what it works on."""
 
-    module: Any  # the law's functions: the driver knows them by their addresses only
+    code: Compiled  # the law's functions: the driver knows them by their addresses only
     table: Any  # where the driver finds what (see driver.py)
     lanes: int
     fields: int
@@ -157,14 +158,14 @@ def kernel(eq: System, tableau: Tableau | Series | None, label: str, record: boo
     step = step_of(eq, tableau, record)
     method = "Taylor" if tableau is None else tableau.name
     lanes = 1 if record else LANES
-    source = _source(eq, step, lanes, f"{label}, {method}")
+    source = _source(eq, step, lanes)
     name = "single" if record else "lanes"
-    module = cache.load(
+    code = cache.load(
         source, f"{name}_{plain_name(label)}_{method.lower()}", f"{label} ({method}, {'one case' if record else 'many cases'})"
     )
     return Kernel(
-        module,
-        driver.table(module, *layout(eq, step, lanes), lists_of(eq, watched(eq, step))),
+        code,
+        driver.table(code, *layout(eq, step, lanes), lists_of(eq, watched(eq, step))),
         lanes,
         len(step.fields) + len(_constants(eq, step)),
         eq.states,
@@ -310,17 +311,13 @@ def _rows_of(letter: str, fields: Iterable[str]) -> int:
     return sum(re.fullmatch(rf"{letter}\d+_0", field) is not None for field in fields)
 
 
-def _source(eq: System, step: Step, lanes: int, label: str) -> str:
+def _source(eq: System, step: Step, lanes: int) -> KernelSource:
     """The law's part of a kernel: the functions that the driver calls (`FUNCTIONS` in ``kernel_text.py``)."""
     width = min(lanes, WIDTH)
     group = lanes if len(eq.contacts) == 1 else width  # several contacts hide each other's latency, in half the text
     functions, text = law_text(eq, step, lanes)
     lines = step_text(step, places(eq, step, lanes, group, width))
-    return "\n\n".join([header(f"{label}, {lanes} lanes"), _known(lanes), lines, addressed([*functions, "step"], text, '{"step": step}')])
-
-
-def _known(lanes: int) -> str:
-    return f"L = {lanes}\n"
+    return KernelSource(text, {name: FUNCTIONS[name] for name in (*functions, "step")}, lines)
 
 
 def places(eq: System, step: Step, lanes: int, group: int, width: int) -> Layout:
@@ -339,7 +336,7 @@ def law_text(eq: System, step: Step, lanes: int) -> tuple[tuple[str, ...], str]:
         functions |= {"slopes": slopes(eq, step, lanes)} if hides(eq) else {}
     if eq.signals:
         functions["signals"] = signals_text(eq, watched(eq, step))
-    return tuple(functions), "\n".join([_known(lanes), *(f"{name} = {named[name]}" for name in _NAMED), *functions.values()])
+    return tuple(functions), "\n".join([f"L = {lanes}", "", *(f"{name} = {named[name]}" for name in _NAMED), *functions.values()])
 
 
 def _aligned(count: int) -> Any:

@@ -9,7 +9,7 @@ import numpy as np
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import leaves
 from stickslip.engine import cache
-from stickslip.engine.kernel_text import function, header, kernel_text, written
+from stickslip.engine.kernel_text import KernelSource, function, kernel_text
 from stickslip.engine.kinds import kind_of
 from stickslip.engine.lanes import plain_name
 from stickslip.engine.law_as_written import traced_as_written
@@ -61,8 +61,8 @@ class LawSteps:
         sizes = {"STATES": len(law.z), "MODES": len(law.mode), "SWITCHES": len(law.switches)}
         text = "\n".join([*(f"{name} = {size}" for name, size in sizes.items()), *_functions(law), kernel_text("stepping_laws")])
         kind = "void(f2, f1, f1, f2, f1, f2, f2, f2, f2)"
-        source = header(f"{label}, steps over a motion") + written({"follow": kind}, text)
-        self._follow = cache.load(source, f"law_{plain_name(label)}", f"{label} (over a prescribed motion)").follow
+        source = KernelSource(text, {"follow": kind})
+        self._follow = cache.load(source, f"law_{plain_name(label)}", f"{label} (over a prescribed motion)")["follow"]
 
     def __call__(self, law: LawAdapter, steps: Any, v: Any, at: Any, load: Any, applied: Any, z: Any, mode: Any = None) -> Any:
         """Friction forces after steps of given lengths [s] and mean velocities [m/s], at velocities `at`: array (steps, cases) [N].

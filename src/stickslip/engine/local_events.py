@@ -13,7 +13,7 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.engine import cache
 from stickslip.engine.force_tables import ForceForm, Tables, traced
-from stickslip.engine.kernel_text import header, kernel_text, written
+from stickslip.engine.kernel_text import KernelSource, kernel_text
 from stickslip.engine.symbols import TraceError
 
 ORDER = 16
@@ -57,12 +57,12 @@ class Row:
         return not all(force.is_linear for table in self.tables for force in table.forces)
 
     @cached_property
-    def source(self) -> str:
+    def source(self) -> KernelSource:
         """The text of its kernel, which does not depend on how many parts there are."""
         texts = map(kernel_text, ("polynomials", "local_bodies", "local_clusters", "local_events"))
         constants = [f"ORDER, STRIDE = {ORDER}, 1", f"BEGIN, ADVANCE, FINISH = {BEGIN}, {ADVANCE}, {FINISH}"]
         text = "\n".join([*constants, *texts, *(table.text(ORDER + 1) for table in self.tables)])
-        return header("a row of many bodies") + written({"act": _KIND}, text)
+        return KernelSource(text, {"act": _KIND})
 
     @property
     def kernel(self) -> Any:
@@ -171,7 +171,7 @@ class RowArrays:
     """
 
     def __init__(self, row: Row, x: Array, v: Array, begin: float, end: float, speed: float):
-        self._act = row.kernel.act
+        self._act = row.kernel["act"]
         bodies, links, width = len(row.masses), len(row.ends), ORDER + 1
         half = 1 << max(bodies - 1, 1).bit_length()
         self.values, (self.S, self.X, tree, self.job) = _parts_of([(bodies, _BODY), (bodies, width + 1), (2 * half,), (_JOB,)], float)

@@ -1,8 +1,7 @@
-"""The text of a step in its kernel's file: its lines, the fields that they read and write, and what writes them as instructions.
+"""The text of a step: its lines, and the fields that they read and write; `emit.py` writes it as instructions.
 
-The lines are not read by Numba; `emit.py` turns them into instructions. Of a
-Taylor step they are only its series (the rest is ``kernels/arcs.py``). A row that a lane holds stands in the fields ``name_0``,
-``name_1`` and so on.
+Of a Taylor step the lines are only its series (the rest is ``kernels/arcs.py``). A row that a lane holds stands in the fields
+``name_0``, ``name_1`` and so on.
 """
 
 from __future__ import annotations
@@ -11,14 +10,9 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from stickslip.engine.kernel_text import StepLines
 from stickslip.engine.rosenbrock_step import Step
 from stickslip.engine.system import System
-
-_STEP = """
-def step(builder, args):
-    S, rtol, budget = args
-    write(builder, S.data, L, GROUP, WIDTH, {"rtol": rtol, "budget": budget}, READS, ROWS, LINES, WRITES)
-"""
 
 
 @dataclass(frozen=True)
@@ -32,12 +26,10 @@ class Layout:
     constants: int
 
 
-def step_text(step: Step, at: Layout) -> str:
-    """The source of `step`: it reads what its lines ask for, and writes those fields of a lane to which they give a value."""
+def step_text(step: Step, at: Layout) -> StepLines:
+    """The lines of a step: they read what they ask for, and write those fields of a lane to which they give a value."""
     reads, rows, writes = places_of(step, at)
-    lines = "\n".join(step.lines)
-    tables = [_table("READS", reads), _table("ROWS", rows), _table("WRITES", writes)]
-    return "\n".join([f"GROUP, WIDTH = {at.group}, {at.width}", f'LINES = """\n{lines}\n"""', *tables, _STEP])
+    return StepLines("\n".join(step.lines), at.lanes, at.group, at.width, reads, rows, writes)
 
 
 def places_of(step: Step, at: Layout) -> tuple[dict[str, int], dict[str, int], dict[str, int]]:
@@ -50,11 +42,6 @@ def places_of(step: Step, at: Layout) -> tuple[dict[str, int], dict[str, int], d
         raise AssertionError(f"the lines of a step ask for {', '.join(sorted(unknown))}, which neither they nor a lane hold")
     reads = {name: offset for name, offset in (offsets | numbers).items() if name in asked}
     return reads, rows, {name: offset for name, offset in offsets.items() if name in made}
-
-
-def _table(name: str, offsets: dict[str, int]) -> str:
-    """A table of places, a line for each."""
-    return "\n".join([f"{name} = {{", *(f'    "{field}": {offset},' for field, offset in offsets.items()), "}"])
 
 
 # ---- lines ----

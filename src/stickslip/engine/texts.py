@@ -4,46 +4,39 @@ from __future__ import annotations
 
 import inspect
 from functools import lru_cache
+from types import SimpleNamespace
 from typing import Any
 
 from stickslip.basics.status import Status
 from stickslip.engine import cache
-from stickslip.engine.kernel_text import header, kernel_text, written
+from stickslip.engine.kernel_text import KernelSource, kernel_text
 from stickslip.results import recurrence as recurrences
 
-_POINTS = "float64[:, ::1], int64"
+_POINTS = "f2, int64"
 _RECURRENCE = {
-    "apart": f"float64({_POINTS}, int64, int64, float64[::1])",
-    "stretch": f"int64({_POINTS}, int64, int64, float64[::1], float64)",
-    "closing": f"UniTuple(float64, 2)({_POINTS}, int64, int64, float64[::1])",
-    "dying": f"boolean({_POINTS}, int64, int64, float64[::1])",
-    "heading": f"float64({_POINTS}, int64, int64, float64[::1])",
-    "exact": f"int64({_POINTS}, int64, int64, float64[::1], float64)",
-    "period_number": f"UniTuple(int64, 2)({_POINTS}, int64, int64, float64[::1], float64, float64)",
-    "approach": f"int64({_POINTS}, int64, int64, float64[::1])",
-    "limit": f"float64({_POINTS}, int64, int64, float64[::1], boolean)",
+    "apart": f"float64({_POINTS}, int64, int64, f1)",
+    "stretch": f"int64({_POINTS}, int64, int64, f1, float64)",
+    "closing": f"UniTuple(float64, 2)({_POINTS}, int64, int64, f1)",
+    "dying": f"boolean({_POINTS}, int64, int64, f1)",
+    "heading": f"float64({_POINTS}, int64, int64, f1)",
+    "exact": f"int64({_POINTS}, int64, int64, f1, float64)",
+    "period_number": f"UniTuple(int64, 2)({_POINTS}, int64, int64, f1, float64, float64)",
+    "approach": f"int64({_POINTS}, int64, int64, f1)",
+    "limit": f"float64({_POINTS}, int64, int64, f1, boolean)",
     "steady": "boolean(float64, float64, float64, float64)",
-    "outcome": f"Tuple((int64, float64))({_POINTS}, int64, int64, float64[::1], float64, float64)",
+    "outcome": f"Tuple((int64, float64))({_POINTS}, int64, int64, f1, float64, float64)",
 }
 
 
 @lru_cache(1)
 def recurrence_text() -> str:
-    """The numbers and functions of `stickslip.results.recurrence`, for a kernel that has imported njit and named its OPTIONS."""
-    functions = [
-        f'@njit("{signature}", **OPTIONS)\n{inspect.getsource(getattr(recurrences, name))}' for name, signature in _RECURRENCE.items()
-    ]
+    """The numbers and functions of `stickslip.results.recurrence`, for a kernel."""
+    functions = [f'@typed("{signature}")\n{inspect.getsource(getattr(recurrences, name))}' for name, signature in _RECURRENCE.items()]
     return "\n".join([*_numbers(), *functions])
 
 
 def _numbers() -> list[str]:
     return ["Any = object", *(f"{name} = {value!r}" for name, value in vars(recurrences).items() if isinstance(value, (int, float)))]
-
-
-def _asked(*names: str) -> str:
-    """Some functions of the test of strobe points, as one piece each with all that they call."""
-    kinds = {name: _RECURRENCE[name].replace("float64[:, ::1]", "f2").replace("float64[::1]", "f1") for name in names}
-    return written(kinds, recurrence_text())
 
 
 @lru_cache(1)
@@ -52,20 +45,20 @@ def status_text() -> str:
     return "\n".join(f"{status.name} = {status}" for status in Status)
 
 
-def _coulomb(functions: dict[str, str], *texts: str) -> str:
+def _coulomb(functions: dict[str, str], *texts: str) -> KernelSource:
     """Functions of the mode machine of ``kernels/coulomb_harmonic.py`` and of the texts after it, for Python."""
     machine = map(kernel_text, ("coulomb_harmonic", "coulomb_harmonic_looks"))
-    return header("Coulomb × Harmonic") + written(functions, "\n\n".join([status_text(), *machine, *texts]))
+    return KernelSource("\n\n".join([status_text(), *machine, *texts]), functions)
 
 
 @lru_cache(1)
-def coulomb_orbits_text() -> str:
+def coulomb_orbits_text() -> KernelSource:
     """The mode machine and its periodic motions by formula."""
     return _coulomb({"orbits": "void(f2, i1, int64, int64, float64, f2, i2, f2, b2)"}, kernel_text("coulomb_orbits"))
 
 
 @lru_cache(1)
-def coulomb_runs_text() -> str:
+def coulomb_runs_text() -> KernelSource:
     """The mode machine, the test of strobe points and the runs that ask for it."""
     functions = {
         "run": "void(f2, int64, int64, int64, int64, boolean, boolean, float64, f2, i2, f2, b2)",
@@ -77,5 +70,7 @@ def coulomb_runs_text() -> str:
 @lru_cache(1)
 def recurrence() -> Any:
     """The functions of `stickslip.results.recurrence`, compiled."""
-    text = header("the test of strobe points") + _asked("period_number", "approach", "outcome")
-    return cache.load(text, "recurrence", "the test of strobe points")
+    names = ("period_number", "approach", "outcome")
+    source = KernelSource(recurrence_text(), {name: _RECURRENCE[name] for name in names})
+    kernel = cache.load(source, "recurrence", "the test of strobe points")
+    return SimpleNamespace(**{name: kernel[name] for name in names})

@@ -18,18 +18,17 @@ _ROOT = 0
 def unsafe(kernels: Path) -> str | None:
     """Why kernels in this folder must not be run, or None.
 
-    A folder (or the `__pycache__` in it) that everybody may write, or that belongs to a user who is neither oneself nor root, is not
+    A folder that everybody may write, or that belongs to a user who is neither oneself nor root, is not
     safe. Nor is one below a folder where everybody may rename it, unless that one is sticky, as /tmp is. The group may write: with
     umask 002 it always may. Windows has no such bits, and keeps the user's cache folder to the user by itself.
     """
     if _unchecked():
         return None
-    for folder in (kernels, kernels / "__pycache__"):
-        if (status := _status(folder)) is not None:
-            if status.st_uid not in (os.geteuid(), _ROOT):
-                return f"belongs to another user ({_user(status.st_uid)})"
-            if status.st_mode & stat.S_IWOTH:
-                return "may be written by every user"
+    if (status := _status(kernels)) is not None:
+        if status.st_uid not in (os.geteuid(), _ROOT):
+            return f"belongs to another user ({_user(status.st_uid)})"
+        if status.st_mode & stat.S_IWOTH:
+            return "may be written by every user"
     for above in Path(os.path.realpath(kernels)).parents:
         status = _status(above)
         if status is not None and status.st_mode & stat.S_IWOTH and not status.st_mode & stat.S_ISVTX:

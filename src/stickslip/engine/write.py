@@ -1,4 +1,4 @@
-"""From expressions to straight-line Python that Numba compiles and LLVM vectorises.
+"""From expressions to straight-line Python, which `emit.py` and `functions.py` write as instructions.
 
 Local names begin with an underscore, so that a whole block can be renamed for a second group of lanes. Products that are
 added are written as explicit fused multiply-adds: the compiler then has nothing left to contract, and one lane and eight

@@ -67,11 +67,11 @@ def orbit_rows(
     >>> (found["displacement"] / (2 * np.pi)).round(14).tolist()
     [0.20145220333367, 0.12247535997450]
     """
-    n, kernel = len(rows), _kernel()
+    n, orbits = len(rows), _kernel()["orbits"]
     known = np.zeros(n, np.int64) if known is None else np.ascontiguousarray(known, np.int64)
 
     def run(first: int, last: int, *into: Array) -> None:
-        kernel.orbits(rows, known, first, last, TOLERANCE, *into)
+        orbits(rows, known, first, last, TOLERANCE, *into)
 
     raw = exact.shared_rows(run, n, _CHUNK, (*exact.FOUND, *_WAYS), workers, progress)
     return raw | {"limit": raw["displacement"] / np.maximum(raw["window"], 1), "wide_max": raw["v_max"], "wide_min": raw["v_min"]}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
@@ -126,8 +125,3 @@ def times_of(rows: Array, period: float | None) -> Array:
     """Begin of the first step and end of each of some rows of dense output [s]."""
     T = 0.0 if period is None else period
     return np.concatenate([[rows[0, 0] * T + rows[0, 1]], rows[:, 0] * T + rows[:, 2]])
-
-
-def kernel_name(module: Any) -> str:
-    """The name of a kernel's file."""
-    return Path(str(module.__file__)).stem

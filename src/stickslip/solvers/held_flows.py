@@ -17,7 +17,7 @@ from stickslip.results.flow_pieces import FlowPieces, ModeChange
 from stickslip.results.flow_run import FlowRun
 from stickslip.solvers import flow_engine
 from stickslip.solvers.flow_requests import flow_request
-from stickslip.solvers.held_cases import Standing, kernel_name, times_of
+from stickslip.solvers.held_cases import Standing, times_of
 from stickslip.solvers.settings import Settings
 
 _NOBODY = np.zeros(0, bool)
@@ -70,7 +70,7 @@ class FlowCase:
     @property
     def kernel_name(self) -> str:
         """The name of its kernel's file."""
-        return kernel_name(self.kernel.module)
+        return self.kernel.code.name
 
     def ready_for(self, numbers: Mapping[str, float]) -> FlowCase:
         """Itself: any of its numbers can change."""

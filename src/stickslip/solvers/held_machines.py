@@ -19,7 +19,7 @@ from stickslip.results.dense_output import PolynomialPieces
 from stickslip.results.events import Event, aloft_of, events_of, flights_of, hits_of
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers.held_bodies import FORCE, BodiesCase, forces_of, request_of_one
-from stickslip.solvers.held_cases import Standing, kernel_name, times_of
+from stickslip.solvers.held_cases import Standing, times_of
 from stickslip.solvers.lane_tables import CaseTable
 from stickslip.solvers.methods import method_for
 from stickslip.solvers.stepping import budget_of
@@ -80,7 +80,7 @@ class MachineCase(BodiesCase):
     @property
     def kernel_name(self) -> str:
         """The name of its kernel's file."""
-        return kernel_name(self.kernel.module)
+        return self.kernel.code.name
 
     def _copied(self, model: Any) -> MachineCase:
         other = object.__new__(MachineCase)

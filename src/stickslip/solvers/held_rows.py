@@ -17,7 +17,7 @@ from stickslip.results.events import Event, kind_of
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import local_steps
 from stickslip.solvers.held_bodies import FORCE, BodiesCase, forces_of, request_of_one
-from stickslip.solvers.held_cases import Standing, kernel_name
+from stickslip.solvers.held_cases import Standing
 
 _NOBODY = np.zeros(0, bool)
 
@@ -59,7 +59,7 @@ class RowCase(BodiesCase):
     @property
     def kernel_name(self) -> str:
         """The name of its kernel's file."""
-        return kernel_name(self._row.kernel)
+        return self._row.kernel.name
 
     # ---- its numbers ----
     def ready_for(self, numbers: Mapping[str, float]) -> RowCase:

@@ -110,7 +110,7 @@ class _March:
             count = min(block, periods)
             strobe, nodes = np.empty((count, len(self.state))), np.empty((per_period * count, 2 * len(self.state) - 1))
             extremes = np.empty(2)
-            finished = self.kernel.module.advance(self.row, self.state, count, self.steps, every, strobe, nodes, extremes)
+            finished = self.kernel.advance(self.row, self.state, count, self.steps, every, strobe, nodes, extremes)
             self.done += finished
             if finished < count:
                 return
@@ -148,9 +148,7 @@ class _March:
     def _last_slope(self) -> Any:
         """Slopes at the end of the run: those at the start of the next period."""
         node = np.empty((1, 2 * len(self.state) - 1))
-        self.kernel.module.advance(
-            self.row, self.state.copy(), 1, self.steps, self.steps, np.empty((1, len(self.state))), node, np.zeros(2)
-        )
+        self.kernel.advance(self.row, self.state.copy(), 1, self.steps, self.steps, np.empty((1, len(self.state))), node, np.zeros(2))
         return node[0, self.kernel.states + 1 :]
 
 

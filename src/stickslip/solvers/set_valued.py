@@ -99,11 +99,11 @@ def solve_rows(
     Returns the raw results of `solve_batch` in units of the kernel: w for velocities, w times radians for displacements.
     With ``skip=False`` every period is run, also after the strobe point has come back to the last bit.
     """
-    n, auto, kernel = len(rows), settle == "auto", _kernel()
+    n, auto, run_rows = len(rows), settle == "auto", _kernel()["run"]
     size = max(1, min(int(_SLICE / (_COST * periods)) + 1, -(-n // (8 * workers if workers > 1 else 1))))
 
     def run(first: int, last: int, *into: Array) -> None:
-        kernel.run(rows, first, last, periods, 0 if auto else int(settle), auto, skip, tolerance, *into)
+        run_rows(rows, first, last, periods, 0 if auto else int(settle), auto, skip, tolerance, *into)
 
     return shared_rows(run, n, size, (*FOUND, "x_end", "v_end", "limit", "wide_max", "wide_min"), workers, progress)
 
@@ -275,10 +275,10 @@ def solve_one(
 
 def _recorded(row: Array, periods: int, progress: Progress | None = None, partial: bool = False) -> tuple[tuple[Array, Array, Array], int]:
     """Drive period, (phase, displacement, w) and mode of all arcs; and the drive periods that are done."""
-    kernel, state, n, recorded = _kernel(), np.array([row[5], 0.0, 0.0, -1.0, -1.0]), 0, []
+    record, state, n, recorded = _kernel()["record"], np.array([row[5], 0.0, 0.0, -1.0, -1.0]), 0, []
     while n < periods:
         number, arcs, mode = np.empty(_ROOM, np.int64), np.empty((_ROOM, 3)), np.empty(_ROOM, np.int64)
-        count, n = kernel.record(row, state, n, periods, number, arcs, mode)
+        count, n = record(row, state, n, periods, number, arcs, mode)
         if count < 0:
             raise SolveError(
                 f"period {n} has too many arcs; this is a bug of the exact solver: please report it with the robot's to_toml()"

@@ -137,8 +137,8 @@ def check_keep(keep: Any, labels: Labels, problems: Problems) -> None:
 
 
 def versions() -> dict[str, str]:
-    """Versions of what computes: of Numba where it is at work."""
+    """Versions of what computes: of the compiler where it is at work."""
     import stickslip
 
     versions = {"stickslip": stickslip.__version__, "python": platform.python_version(), "numpy": np.__version__}
-    return versions | ({"numba": sys.modules["numba"].__version__} if "numba" in sys.modules else {})
+    return versions | ({"llvmlite": sys.modules["llvmlite"].__version__} if "llvmlite" in sys.modules else {})

@@ -41,7 +41,7 @@ def maker_of(make: Model | Callable[..., Any]) -> str:
 
 def provenance_of(plan: Plan) -> dict[str, Any]:
     """Versions, settings and kinds, which are needed to repeat the results."""
-    known = versions() | {name: _version(name) for name in ("numba", "scipy", "xarray")}
+    known = versions() | {name: _version(name) for name in ("llvmlite", "scipy", "xarray")}
     settings = {name: value for name, value in plan.options.items() if name not in ("observe", "events")}
     settings |= {"continue_along": plan.along} if plan.along else {}
     settings |= (

@@ -24,7 +24,7 @@ from stickslip.studies.solving import kept_columns
 
 #: Version of the folder's layout: 2 has checksums, 3 has the identities of the models of each tile.
 FORMAT = 3
-_LIBRARIES = ("numpy", "numba")  # of which another minor version may change the last bit of a result
+_LIBRARIES = ("numpy", "llvmlite")  # of which another minor version may change the last bit of a result
 #: What is said of folders of formats 1 and 2.
 UNCHECKED = "kept by an earlier stickslip, which did not record the models of each tile: whether all results are of one model is unchecked"
 

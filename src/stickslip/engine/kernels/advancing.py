@@ -11,7 +11,7 @@ THERE, UNDER_WAY, ENDED = 0, 1, 2
 SAME_INSTANT = 1e-12  # of a period: an instant of the caller's this close to a known one is that one
 
 
-@njit(void(int64, boolean, f1, int64, i1), **OPTIONS)
+@typed(void(int64, boolean, f1, int64, i1))
 def renew(lane, anew, S, W, D):
     """Constants of the case from its numbers; with `anew` also its modes, as after an impulse at this instant. Its state stays."""
     PARAM, L = PARAM_of(W), D[LANES]
@@ -24,7 +24,7 @@ def renew(lane, anew, S, W, D):
         call_settle_changes(D[AT_SETTLE_CHANGES], lane, S, PARAM[0], D)
 
 
-@njit(void(int64, f1, int64, i1), **OPTIONS)
+@typed(void(int64, f1, int64, i1))
 def begin_call(lane, S, W, D):
     """The budget of steps is that of a call, and so is the progress that is looked at."""
     N, K, GOAL = N_of(W), K_of(W), GOAL_of(W)
@@ -38,7 +38,7 @@ def begin_call(lane, S, W, D):
     GOAL[RENEWED] = GOAL[BEGUN_ANEW] = 0.0
 
 
-@njit(int64(f1, int64, int64, i1), **CALLED, **BORROWING)
+@typed(int64(f1, int64, int64, i1))
 def advance_to(S, calls, W, D):
     """Up to `calls` steps towards the goal: whether it is there, under way, or has ended before it, N[0, STATUS] says how."""
     N, JOB, PIECES, GOAL, lane = N_of(W), JOB_of(W), PIECES_of(W), GOAL_of(W), 0

@@ -3,14 +3,14 @@
 # mypy: ignore-errors
 
 
-@njit(boolean(int64, f1, int64, i1), **OPTIONS)
+@typed(boolean(int64, f1, int64, i1))
 def next_case(lane, S, W, D):
     """Put the only case into the lane."""
     take(lane, 0, S, W, D)
     return True
 
 
-@njit(void(int64, f1, int64, i1), **OPTIONS)
+@typed(void(int64, f1, int64, i1))
 def pass_instant(lane, S, W, D):
     """At a known instant: velocities jump, and controllers take their samples."""
     PARAM = PARAM_of(W)
@@ -18,7 +18,7 @@ def pass_instant(lane, S, W, D):
         apply_jump(lane, S, PARAM[0], D)
 
 
-@njit(int64(int64, f1, int64, i1), **OPTIONS)
+@typed(int64(int64, f1, int64, i1))
 def end_period(lane, S, W, D):
     """At the end of a drive period: it never ends by itself."""
     N = N_of(W)

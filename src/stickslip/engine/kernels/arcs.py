@@ -16,7 +16,7 @@ TOGETHER = 1e-12  # of a step: zeros this close are at one instant, where their 
 SHARES_OF_POWERS = [1.0 / (m + 1) for m in range(ORDER + 1)]  # the mean of x^m from 0 to 1
 
 
-@njit(float64(f1, int64, float64), **OPTIONS)
+@typed(float64(f1, int64, float64))
 def mean_to(S, at, x):
     """Its mean from 0 to x."""
     value = SHARES_OF_POWERS[ORDER] * S[at + ORDER * L]
@@ -25,7 +25,7 @@ def mean_to(S, at, x):
     return value
 
 
-@njit(float64(f1, int64, float64, float64), **OPTIONS)
+@typed(float64(f1, int64, float64, float64))
 def first_zero(S, at, h, period):
     """Where a polynomial first falls below zero in [0, 1]; 2 if it does not, 3 if it touches zero meanwhile, to rounding.
 
@@ -40,7 +40,7 @@ def first_zero(S, at, h, period):
     return first_below(S, at, ORDER, noise)
 
 
-@njit(float64(f1, int64, float64), **OPTIONS)
+@typed(float64(f1, int64, float64))
 def extremum(S, at, end):
     """The largest or smallest value before `end` of a polynomial that turns once; its value there if it does not turn."""
     lo, hi, d0, d1 = 0.0, end, S[at + L], slope_at(S, at, ORDER, end)
@@ -51,7 +51,7 @@ def extremum(S, at, end):
     return value_at(S, at, ORDER, turning_point(S, at, ORDER, lo, hi, d0, d1))
 
 
-@njit(int64(f1, int64, int64, int64, float64, float64, float64, float64, f1), **OPTIONS)
+@typed(int64(f1, int64, int64, int64, float64, float64, float64, float64, f1))
 def fitting(S, at, row, slopes, part, h, allowed, least, ROWS):
     """At how many points, one after another, a polynomial's slope is what its equation says: two rows of ROWS."""
     size = 0.0
@@ -64,7 +64,7 @@ def fitting(S, at, row, slopes, part, h, allowed, least, ROWS):
     return POINTS
 
 
-@njit(int64(f1, int64, int64, int64, float64, float64, float64, f1), **OPTIONS)
+@typed(int64(f1, int64, int64, int64, float64, float64, float64, f1))
 def fitting_change(S, at, row, slopes, part, h, allowed, ROWS):
     """The same of a passive state, which is as large as it becomes; one that is no number asks for nothing."""
     size, power = abs(S[at]), 1.0
@@ -77,7 +77,7 @@ def fitting_change(S, at, row, slopes, part, h, allowed, ROWS):
     return POINTS
 
 
-@njit(void(int64, float64, f1, f1, i1), **OPTIONS)
+@typed(void(int64, float64, f1, f1, i1))
 def ask_slopes(lane, part, S, ROWS, D):
     """The rates that the equations give at `POINTS` points up to `part` of a step, and the slopes of the polynomials there."""
     states, first, h = D[STATES], D[F_K] + lane, S[D[F_HH] + lane]
@@ -90,7 +90,7 @@ def ask_slopes(lane, part, S, ROWS, D):
     call_slopes(D[AT_SLOPES], lane, S, ROWS)
 
 
-@njit(int64(int64, float64, float64, f1, f1, f1, i1), **OPTIONS)
+@typed(int64(int64, float64, float64, f1, f1, f1, i1))
 def agreeing(lane, part, rough, S, ROWS, SIZES, D):
     """How many of these points pass, one after another: there the polynomials do what the equations say.
 
@@ -110,7 +110,7 @@ def agreeing(lane, part, rough, S, ROWS, SIZES, D):
     return good
 
 
-@njit(boolean(int64, f1, i1), **OPTIONS)
+@typed(boolean(int64, f1, i1))
 def moving(lane, S, D):
     """Whether some mode is not that of rest."""
     modes = 0.0
@@ -119,7 +119,7 @@ def moving(lane, S, D):
     return modes > 0.0
 
 
-@njit(float64(int64, int64, float64, f1, f1, i1), **OPTIONS)
+@typed(float64(int64, int64, float64, f1, f1, i1))
 def zero_behind_rounding(lane, k, zero, S, SIZES, D):
     """The first zero of a slip that begins at zero and falls no faster than rounding may make it: the next coefficient decides."""
     at, h = D[F_G] + k * (ORDER + 1) * L + lane, S[D[F_HH] + lane]
@@ -130,7 +130,7 @@ def zero_behind_rounding(lane, k, zero, S, SIZES, D):
     return first_zero(S, at, h, S[D[F_C] + D[PERIOD] * L + lane])
 
 
-@njit(UniTuple(float64, 2)(int64, f1, f1, f1, i1), **OPTIONS)
+@typed(UniTuple(float64, 2)(int64, f1, f1, f1, i1))
 def end_of_step(lane, S, ROWS, SIZES, D):
     """Where in its step a lane must stop (above 1: at its end), and the guard that stops it (-1: none)."""
     theta, which, touched = 2.0, -1.0, False
@@ -166,7 +166,7 @@ def end_of_step(lane, S, ROWS, SIZES, D):
     return theta, which
 
 
-@njit(void(int64, f1, f1, f1, float64, i1), **OPTIONS)
+@typed(void(int64, f1, f1, f1, float64, i1))
 def land_lane(lane, S, ROWS, SIZES, budget, D):
     """End a lane's step at its end, or at the first zero of a guard, where modes and flags change."""
     states, at_y, at_k = D[STATES], D[F_Y] + lane, D[F_K] + lane
@@ -211,7 +211,7 @@ def land_lane(lane, S, ROWS, SIZES, budget, D):
         S[at_stat] = 2.0
 
 
-@njit(void(f1, float64, i1), **OPTIONS)
+@typed(void(f1, float64, i1))
 def land(S, budget, D):
     """End the step of every lane."""
     ROWS, SIZES = np.empty(2 * (1 + D[STATES]) * POINTS), np.zeros(D[STATES] + D[WATCHED])

@@ -3,7 +3,7 @@
 # mypy: ignore-errors
 
 
-@njit(void(int64, int64, float64, f1, f1, f1, f1, i1), **OPTIONS)
+@typed(void(int64, int64, float64, f1, f1, f1, f1, i1))
 def look_at(what, lane, t, y, out, S, row, D):
     """One of a law's looks at what a lane holds, its flags behind its modes; its states are put into y."""
     L = D[LANES]
@@ -19,13 +19,13 @@ def look_at(what, lane, t, y, out, S, row, D):
     call_look(D[AT_LOOK], what, row, t, y, clock, mode, out)
 
 
-@njit(void(int64, float64, f1, f1, f1, i1), **OPTIONS)
+@typed(void(int64, float64, f1, f1, f1, i1))
 def rates_now(lane, t, out, S, row, D):
     """Rates of what the passive states are changes of, as a lane holds modes, clocks and flags: a state may dwell where a guard is zero."""
     look_at(RATES, lane, t, np.empty(D[STATES]), out, S, row, D)
 
 
-@njit(void(int64, f1, f1, i1), **OPTIONS)
+@typed(void(int64, f1, f1, i1))
 def settle_changes(lane, S, row, D):
     """At the start: what rests has no other change of its velocity than what it rests on."""
     y, n = np.empty(D[STATES]), D[STATES] - D[PASSIVE]
@@ -34,7 +34,7 @@ def settle_changes(lane, S, row, D):
         S[D[F_Y] + i * D[LANES] + lane] = y[i]
 
 
-@njit(boolean(int64, f1, f1, i1), **OPTIONS)
+@typed(boolean(int64, f1, f1, i1))
 def note_late(lane, kicks, S, D):
     """Note by how much later the present instant comes along the direction, and what kicks change by; whether it is one that may move.
 
@@ -62,7 +62,7 @@ def note_late(lane, kicks, S, D):
     return met
 
 
-@njit(void(int64, boolean, boolean, f1, f1, f1, f1, i1), **OPTIONS)
+@typed(void(int64, boolean, boolean, f1, f1, f1, f1, i1))
 def shift_changes(lane, within, first, before, kicks, S, row, D):
     """What a known instant does to the changes of the states: they get its own change times what the rates jump by, and the kick's."""
     L, J, n = D[LANES], D[COORDINATES], D[STATES] - D[PASSIVE]

@@ -21,7 +21,7 @@ STEPS = 256  # arcs in one period beyond which a case is given up (7 are possibl
 BACK, AWAY, AWAY_BACK, GAMMA, CONSTANTS = 8, 16, 20, 24, 25
 
 
-@njit(UniTuple(float64, 4)(float64), fastmath={"contract"})
+@typed(UniTuple(float64, 4)(float64), fused=True)
 def trig(d):
     """sin d, d - sin d, 1 - cos d and d^2/2 - 1 + cos d for 0 <= d <= 2 pi, each to a few units of its own last place."""
     k = math.floor(d * 0.6366197723675814 + 0.5)
@@ -45,7 +45,7 @@ def trig(d):
     return sine, d - sine, 1.0 - cosine, 0.5 * d * d - (1.0 - cosine)
 
 
-@njit(void(f1, f1))
+@typed(void(f1, f1))
 def prepare(row, q):
     """The constants of a case from its row (r_plus, r_minus, s_plus, s_minus, gamma, ...)."""
     for side in range(2):
@@ -76,7 +76,7 @@ def prepare(row, q):
     q[GAMMA] = row[4]
 
 
-@njit(boolean(float64, float64, float64))
+@typed(boolean(float64, float64, float64))
 def within(phase, begin, end):
     """Whether a phase lies in [begin, end), which may reach across the end of the period."""
     if begin <= end:
@@ -84,7 +84,7 @@ def within(phase, begin, end):
     return phase >= begin or phase < end
 
 
-@njit(UniTuple(float64, 4)(float64, float64, float64, float64, float64, float64, float64), fastmath={"contract"})
+@typed(UniTuple(float64, 4)(float64, float64, float64, float64, float64, float64, float64), fused=True)
 def zero(u, q, S, C, lo, hi, x):
     """The zero of u(d) in [lo, hi], u(lo) > 0 >= u(hi), from the guess x: Halley's steps, else halving.
 
@@ -121,7 +121,7 @@ def zero(u, q, S, C, lo, hi, x):
     return x + step, S1 + step * C1 - half * S1, C1 - step * S1 - half * C1, moved
 
 
-@njit(UniTuple(float64, 5)(f1, f1, int64, float64, float64, float64, float64))
+@typed(UniTuple(float64, 5)(f1, f1, int64, float64, float64, float64, float64))
 def slip(q, last, side, phase, u, S, C):
     """A sliding arc, to its zero or to the end of the period: new phase, u, S, C, and the displacement."""
     base = BACK * side
@@ -151,7 +151,7 @@ def slip(q, last, side, phase, u, S, C):
     return new, 0.0, S1, C1, moved
 
 
-@njit(Tuple((float64, float64, float64, float64, float64, int64))(f1, f1, float64, float64, float64, float64))
+@typed(Tuple((float64, float64, float64, float64, float64, int64))(f1, f1, float64, float64, float64, float64))
 def arc(q, last, phase, w, s, c):
     """One arc of the mode machine, not beyond the end of the period: new phase, w, sin, cos, the displacement and the mode."""
     if w > 0.0 or (w == 0.0 and within(phase, q[AWAY], q[AWAY + 1])):

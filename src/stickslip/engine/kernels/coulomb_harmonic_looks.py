@@ -6,7 +6,7 @@
 SEGS = 32  # segments kept
 
 
-@njit(float64(f1, f1, float64))
+@typed(float64(f1, f1, float64))
 def force_margin(q, row, sine):
     """Relative distance of the force offered at this sin(tau) from break-away."""
     offered = sine + q[GAMMA]
@@ -18,7 +18,7 @@ def force_margin(q, row, sine):
     return margin
 
 
-@njit(int64(f1, f1, f1, float64, int64, f1, b1, f1))
+@typed(int64(f1, f1, f1, float64, int64, f1, b1, f1))
 def observe(q, row, last, w, periods, seg_time, seg_code, out):
     """Run some periods again; note segments, margin of the forces, extremes of w, displacement.
 

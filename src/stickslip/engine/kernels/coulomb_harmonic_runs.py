@@ -6,7 +6,7 @@
 WITHIN = 1e-13  # a displacement in a period this near to the one approached: the window holds a steady motion
 
 
-@njit(Tuple((float64, float64, boolean))(f1, f1, float64))
+@typed(Tuple((float64, float64, boolean))(f1, f1, float64))
 def one_period(q, last, w):
     """w and the displacement after one drive period; False if it has too many arcs."""
     phase, s, c, x = 0.0, 0.0, 1.0, 0.0
@@ -18,7 +18,7 @@ def one_period(q, last, w):
     return w, x, False
 
 
-@njit(void(f1, f1, f1, float64, int64, int64, f1, b1, f1))
+@typed(void(f1, f1, f1, float64, int64, int64, f1, b1, f1))
 def wide(q, row, last, w, settle, periods, seg_time, seg_code, out):
     """What `observe` finds over the whole window: the run once more, from its start."""
     for _ in range(settle):
@@ -26,7 +26,7 @@ def wide(q, row, last, w, settle, periods, seg_time, seg_code, out):
     observe(q, row, last, w, periods - settle, seg_time, seg_code, out)
 
 
-@njit(float64(f2, int64, int64, f1))
+@typed(float64(f2, int64, int64, f1))
 def remaining(points, n, p, unit):
     """Estimated distance of w from the periodic state: the last change over p periods times rate/(1 - rate)."""
     d2, d1, d0 = apart(points, n, p, 1, unit), 0.0, 0.0
@@ -38,7 +38,7 @@ def remaining(points, n, p, unit):
     return d2 * rate / (1.0 - rate) if rate < 1.0 else math.inf
 
 
-@njit(UniTuple(float64, 2)(float64, float64, float64))
+@typed(UniTuple(float64, 2)(float64, float64, float64))
 def add(total, excess, term):
     """Kahan's sum: the new total, and by how much it is too large."""
     term -= excess
@@ -46,7 +46,7 @@ def add(total, excess, term):
     return new, (new - total) - term
 
 
-@njit(UniTuple(int64, 3)(f1, f1, f2, f1, f1, f1, f1, int64, int64, boolean, boolean))
+@typed(UniTuple(int64, 3)(f1, f1, f2, f1, f1, f1, f1, int64, int64, boolean, boolean))
 def follow(q, last, points, early, sums, scale, unit, periods, settle, auto, skip):
     """Run up to `periods` drive periods from the strobe point points[0]: periods done, period number (0: not asked for), status.
 
@@ -87,7 +87,7 @@ def follow(q, last, points, early, sums, scale, unit, periods, settle, auto, ski
     return n, p, status
 
 
-@njit(void(f2, int64, int64, int64, int64, boolean, boolean, float64, f2, i2, f2, b2))
+@typed(void(f2, int64, int64, int64, int64, boolean, boolean, float64, f2, i2, f2, b2))
 def run(rows, i0, i1, periods, settle, auto, skip, tolerance, out, count, seg_time, seg_code):
     """Cases i0 to i1 of a batch; everything dimensionless.
 
@@ -136,7 +136,7 @@ def run(rows, i0, i1, periods, settle, auto, skip, tolerance, out, count, seg_ti
         count[i, 0], count[i, 1], count[i, 2] = status, p, n
 
 
-@njit(UniTuple(int64, 2)(f1, f1, int64, int64, i1, f2, i1))
+@typed(UniTuple(int64, 2)(f1, f1, int64, int64, i1, f2, i1))
 def record(row, state, n, periods, number, arcs, mode):
     """The arcs of one case from period n on, as many as there is room for: drive period, (phase, displacement, w) and mode of each.
 

@@ -10,7 +10,7 @@ the motion period that follows must come back to its strobe point; else the case
 """
 
 
-@njit(float64(f1))
+@typed(float64(f1))
 def never_resting(row):
     """w at phase 0 of the motion that never rests; not a number if there is none.
 
@@ -33,7 +33,7 @@ def never_resting(row):
     return math.cos(end) - 1.0 + minus * (TAU - end)
 
 
-@njit(Tuple((float64, float64, float64, boolean))(f1, f1, float64, float64, float64, float64))
+@typed(Tuple((float64, float64, float64, boolean))(f1, f1, float64, float64, float64, float64))
 def travels(q, last, phase, w, s, c):
     """Run to the end of the drive period: w there, and the distances travelled forwards and backwards; False if there are too many arcs."""
     ahead, back = 0.0, 0.0
@@ -48,7 +48,7 @@ def travels(q, last, phase, w, s, c):
     return w, ahead, back, False
 
 
-@njit(float64(f1, f1, f1))
+@typed(float64(f1, f1, f1))
 def strobe_point(row, q, last):
     """w at phase 0 of the periodic motion, if break-away is at the sliding friction."""
     if row[2] >= 1.0 and row[3] >= 1.0:
@@ -60,7 +60,7 @@ def strobe_point(row, q, last):
     return travels(q, last, q[away], 0.0, q[away + 2], q[away + 3])[0]
 
 
-@njit(void(f2, i1, int64, int64, float64, f2, i2, f2, b2))
+@typed(void(f2, i1, int64, int64, float64, f2, i2, f2, b2))
 def orbits(rows, known, i0, i1, tolerance, out, count, seg_time, seg_code):
     """Cases i0 to i1, rows as for `run`. Where known[i] > 0, row[5] is a strobe point of a motion of that period; else it is found.
 

@@ -15,7 +15,7 @@ AGAIN_WITHIN, AGAIN_TO = 4, 1e-8  # periods after which one is looked for that w
 LEAST_PROGRESS = 1e-5  # of a period, in so many steps: at this pace a period would take 1e9 steps
 
 
-@njit(void(int64, f1, i1), **OPTIONS)
+@typed(void(int64, f1, i1))
 def widen_by_present(lane, S, D):
     """Of steps that find their extremes, which do not know with what they begin: the present velocity counts too."""
     if D[F_HIGH] >= 0 and S[D[F_LOOKED] + lane] > 0.1:
@@ -23,7 +23,7 @@ def widen_by_present(lane, S, D):
         S[D[F_HIGH] + lane], S[D[F_LOW] + lane] = max(S[D[F_HIGH] + lane], v), min(S[D[F_LOW] + lane], v)
 
 
-@njit(void(int64, int64, f1, int64, i1), **OPTIONS)
+@typed(void(int64, int64, f1, int64, i1))
 def take(lane, case, S, W, D):
     """Put a case into a lane."""
     N, K, PARAM, START = N_of(W), K_of(W), PARAM_of(W), START_of(W)
@@ -61,7 +61,7 @@ def take(lane, case, S, W, D):
     N[lane, CASE] = case
 
 
-@njit(void(int64, f1, int64, i1), **OPTIONS)
+@typed(void(int64, f1, int64, i1))
 def pass_instant(lane, S, W, D):
     """At a known instant: what was observed ends before an impulse, and begins anew after it."""
     N, K, PARAM = N_of(W), K_of(W), PARAM_of(W)
@@ -80,7 +80,7 @@ def pass_instant(lane, S, W, D):
         K[lane, VMAX], K[lane, VMIN] = max(K[lane, VMAX], v), min(K[lane, VMIN], v)
 
 
-@njit(void(int64, boolean, boolean, f1, int64, i1), **OPTIONS)
+@typed(void(int64, boolean, boolean, f1, int64, i1))
 def carry_through(lane, within, first, S, W, D):
     """The same with passive states that are changes of others: their part depends on the rates before and after."""
     N, PARAM = N_of(W), PARAM_of(W)
@@ -92,7 +92,7 @@ def carry_through(lane, within, first, S, W, D):
         call_shift_changes(D[AT_SHIFT_CHANGES], lane, within, first, before, kicks, S, row, D)
 
 
-@njit(void(int64, f1, int64, i1), **OPTIONS)
+@typed(void(int64, f1, int64, i1))
 def finish(lane, S, W, D):
     """Write a case's results; of one that ended before its time, in place of what it approaches, how far into the period that was."""
     N, K, RING, OUT, COUNT = N_of(W), K_of(W), RING_of(W), OUT_of(W), COUNT_of(W)
@@ -125,7 +125,7 @@ def finish(lane, S, W, D):
     N[lane, CASE], N[lane, RECORDING] = -1, 0
 
 
-@njit(void(int64, f1, i1), **OPTIONS)
+@typed(void(int64, f1, i1))
 def want_extremes(lane, S, D):
     """From here on steps that find their extremes look for them."""
     if D[F_TOP] >= 0 and D[F_LOOKED] >= 0:
@@ -133,7 +133,7 @@ def want_extremes(lane, S, D):
         widen_by_present(lane, S, D)
 
 
-@njit(float64(int64, int64, f1, i1), **OPTIONS)
+@typed(float64(int64, int64, f1, i1))
 def scale_of(lane, i, S, D):
     """How large a state typically is: a velocity without friction, an inner state as the law says or as it has been."""
     L = D[LANES]
@@ -146,7 +146,7 @@ def scale_of(lane, i, S, D):
     return max(size, 1e-300)
 
 
-@njit(int64(int64, int64, float64, f1, int64, i1), **OPTIONS)
+@typed(int64(int64, int64, float64, f1, int64, i1))
 def judge_period(lane, k, x, S, W, D):
     """Whether the motion repeats, at the end of a period after which that is asked."""
     N, K, RING, XS, JOB = N_of(W), K_of(W), RING_of(W), XS_of(W), JOB_of(W)
@@ -193,13 +193,13 @@ def judge_period(lane, k, x, S, W, D):
     return 0
 
 
-@njit(float64(int64, int64, f1), **OPTIONS)
+@typed(float64(int64, int64, f1))
 def held(lane, field, S):
     """What a lane has in a field; 0 if this kind of step has no such field."""
     return S[field + lane] if field >= 0 else 0.0
 
 
-@njit(void(int64, f1, f1, i1), **OPTIONS)
+@typed(void(int64, f1, f1, i1))
 def keep_beside(lane, row, S, D):
     """Of a strobe point, what a step takes from the one before besides the states: its length, its sort, sides and modes."""
     L, at = D[LANES], 1 + D[STATES] + D[KEPT_MODES]
@@ -212,7 +212,7 @@ def keep_beside(lane, row, S, D):
         row[at + 7] = 3.0 * row[at + 7] + S[D[F_MODE] + k * L + lane]
 
 
-@njit(int64(int64, int64, int64, i1), **OPTIONS)
+@typed(int64(int64, int64, int64, i1))
 def repeats_exactly(lane, k, W, D):
     """After how many periods the last strobe point is the same to the last bit, so that all that follows is known; 0: it is new."""
     RING = RING_of(W)
@@ -228,7 +228,7 @@ def repeats_exactly(lane, k, W, D):
     return 0
 
 
-@njit(void(int64, int64, int64, f1, int64, i1), **OPTIONS)
+@typed(void(int64, int64, int64, f1, int64, i1))
 def skip(lane, p, k, S, W, D):
     """Go on behind all whole multiples of p periods before the last period: they are what the last p were."""
     N, RING, XS, JOB = N_of(W), RING_of(W), XS_of(W), JOB_of(W)
@@ -252,7 +252,7 @@ def skip(lane, p, k, S, W, D):
     N[lane, DONE] = end
 
 
-@njit(int64(int64, int64, f1, int64, i1), **OPTIONS)
+@typed(int64(int64, int64, f1, int64, i1))
 def is_again(lane, k, S, W, D):
     """Whether the period that begins is one of the window once more, as it begins with the same states: its extremes are known."""
     RING = RING_of(W)
@@ -266,7 +266,7 @@ def is_again(lane, k, S, W, D):
     return 0
 
 
-@njit(int64(int64, f1, int64, i1), **OPTIONS)
+@typed(int64(int64, f1, int64, i1))
 def end_period(lane, S, W, D):
     """Book-keeping at the end of a drive period. Returns 1 when only the last observation is missing."""
     N, RING, JOB = N_of(W), RING_of(W), JOB_of(W)
@@ -300,7 +300,7 @@ def end_period(lane, S, W, D):
     return judge_period(lane, k, x, S, W, D)
 
 
-@njit(boolean(int64, f1, int64, i1), **OPTIONS)
+@typed(boolean(int64, f1, int64, i1))
 def next_case(lane, S, W, D):
     """Put the next case into an idle lane, if there is one."""
     JOB = JOB_of(W)
@@ -321,7 +321,7 @@ def next_case(lane, S, W, D):
     return True
 
 
-@njit(boolean(f1, i1), **OPTIONS)
+@typed(boolean(f1, i1))
 def is_piece(S, D):
     """Whether the last step took some time, or switched at one instant what is kept with a piece."""
     piece = S[D[F_T]] != S[D[F_T0]]
@@ -331,7 +331,7 @@ def is_piece(S, D):
     return piece
 
 
-@njit(void(f1, int64, i1), **OPTIONS)
+@typed(void(f1, int64, i1))
 def keep_piece(S, W, D):
     """Write the last step's dense output, in powers of its own part of the step."""
     N, JOB, PIECES = N_of(W), JOB_of(W), PIECES_of(W)
@@ -353,7 +353,7 @@ def keep_piece(S, W, D):
     JOB[WRITTEN] += 1
 
 
-@njit(void(int64, f1, int64, i1), **OPTIONS)
+@typed(void(int64, f1, int64, i1))
 def watch(lane, S, W, D):
     """Note what the last step of a recording lane did; status 7 when the last observation is made."""
     N, K, PARAM = N_of(W), K_of(W), PARAM_of(W)
@@ -386,7 +386,7 @@ def watch(lane, S, W, D):
         N[lane, FRESH] = 1
 
 
-@njit(void(int64, f1, int64, i1), **OPTIONS)
+@typed(void(int64, f1, int64, i1))
 def arrive(lane, S, W, D):
     """At a known instant, the end of the period or one within it: impulse, strobe state, flags for the steps that follow."""
     N, K, PARAM = N_of(W), K_of(W), PARAM_of(W)
@@ -415,7 +415,7 @@ def arrive(lane, S, W, D):
         call_hold(D[AT_HOLD], lane, S, W, D)
 
 
-@njit(void(int64, f1, int64, i1), **OPTIONS)
+@typed(void(int64, f1, int64, i1))
 def widen(lane, S, W, D):
     """Widen the extremes over the window by the last step, if it did not do so itself."""
     N, PARAM, JOB = N_of(W), PARAM_of(W), JOB_of(W)
@@ -434,7 +434,7 @@ def widen(lane, S, W, D):
         call_hold(D[AT_HOLD], lane, S, W, D)
 
 
-@njit(float64(int64, f1, int64, i1), **OPTIONS)
+@typed(float64(int64, f1, int64, i1))
 def progress(lane, S, W, D):
     """After `STEPS_TO_LOOK` steps: 0 if a case gets on and has steps left, else the status with which it ends."""
     N, K = N_of(W), K_of(W)
@@ -449,7 +449,7 @@ def progress(lane, S, W, D):
     return CHATTERS if moved < LEAST_PROGRESS else 0.0
 
 
-@njit(boolean(int64, f1, int64, i1), **OPTIONS)
+@typed(boolean(int64, f1, int64, i1))
 def go_on(lane, S, W, D):
     """After a step at whose end something is known of a lane: on to the next period or case. Returns whether there is one."""
     N = N_of(W)
@@ -473,7 +473,7 @@ def go_on(lane, S, W, D):
     return False
 
 
-@njit(int64(f1, int64, int64, i1), **CALLED, **BORROWING)
+@typed(int64(f1, int64, int64, i1))
 def advance(S, calls, W, D):
     """Up to `calls` vector steps. Returns the number of lanes at work; JOB[WRITTEN] counts the pieces written."""
     N, JOB, PIECES = N_of(W), JOB_of(W), PIECES_of(W)

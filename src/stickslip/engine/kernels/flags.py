@@ -3,7 +3,7 @@
 # mypy: ignore-errors
 
 
-@njit(void(int64, f1, f1, boolean, i1), **OPTIONS)
+@typed(void(int64, f1, f1, boolean, i1))
 def set_flags(lane, S, row, first, D):
     """Everything that a step holds, from the lane's time and state; with `first` its modes too. Then the end of the next steps.
 
@@ -41,7 +41,7 @@ def set_flags(lane, S, row, first, D):
     S[D[F_TEND] + lane] = end
 
 
-@njit(boolean(int64, f1, i1), **OPTIONS)
+@typed(boolean(int64, f1, i1))
 def is_sample(lane, S, D):
     """Whether controllers take a sample at the present instant; the end of a period is one if it is nearly a multiple."""
     if D[SAMPLE_AT] < 0:
@@ -51,7 +51,7 @@ def is_sample(lane, S, D):
     return abs(count - math.floor(count + 0.5)) <= (1e-9 if t < period * (1.0 - 1e-12) else 1e-6)
 
 
-@njit(boolean(int64, int64, f1, i1), **OPTIONS)
+@typed(boolean(int64, int64, f1, i1))
 def is_now(lane, k, S, D):
     """Whether an impulse comes at the present instant; the end of a period is the instant 0 of the next."""
     L = D[LANES]
@@ -60,7 +60,7 @@ def is_now(lane, k, S, D):
     return min(away, abs(period - away)) <= 1e-12 * period
 
 
-@njit(float64(int64, int64, f1, i1), **OPTIONS)
+@typed(float64(int64, int64, f1, i1))
 def jump_of(lane, j, S, D):
     """Jump of the velocity of coordinate j at the present instant."""
     L, J = D[LANES], D[COORDINATES]
@@ -71,7 +71,7 @@ def jump_of(lane, j, S, D):
     return jump
 
 
-@njit(boolean(int64, f1, i1), **OPTIONS)
+@typed(boolean(int64, f1, i1))
 def is_thrown(lane, S, D):
     """Whether a velocity jumps at the present instant, that of a coordinate or of what a contact rubs on, or a force that is held."""
     thrown = is_sample(lane, S, D)
@@ -80,7 +80,7 @@ def is_thrown(lane, S, D):
     return thrown
 
 
-@njit(void(int64, f1, f1, i1), **OPTIONS)
+@typed(void(int64, f1, f1, i1))
 def take_sample(lane, S, row, D):
     """What controllers hold after a sample; where something jumps at that instant they see what comes after it."""
     L, t, period = D[LANES], S[D[F_T] + lane], S[D[F_C] + D[PERIOD] * D[LANES] + lane]
@@ -96,7 +96,7 @@ def take_sample(lane, S, row, D):
         S[D[F_Y] + i * L + lane] = new[i]
 
 
-@njit(void(int64, f1, f1, i1), **OPTIONS)
+@typed(void(int64, f1, f1, i1))
 def apply_jump(lane, S, row, D):
     """An impulse: velocities jump; the law of a single contact that remembers until v passes zero forgets. Then samples are taken."""
     L = D[LANES]
@@ -119,7 +119,7 @@ def apply_jump(lane, S, row, D):
         take_sample(lane, S, row, D)
 
 
-@njit(float64(int64, f1, i1), **OPTIONS)
+@typed(float64(int64, f1, i1))
 def way_of(lane, S, D):
     """Position of the body; of several that of their centre of mass, the first one's and a share of each other position."""
     L = D[LANES]

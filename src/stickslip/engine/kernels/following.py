@@ -3,7 +3,7 @@
 # mypy: ignore-errors
 
 
-@njit(int64(f1, int64, i1, f2, i1, f2), **CALLED, **BORROWING)
+@typed(int64(f1, int64, i1, f2, i1, f2))
 def follow(S, W, D, LEGS, CHANGED, ENDS):
     """Go on through the legs: each has its end and, behind it, the numbers that it changes, whose columns CHANGED says.
 

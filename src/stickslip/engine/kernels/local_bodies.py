@@ -31,7 +31,7 @@ CHECKS = 5  # instants of a step at which the polynomials are compared with the 
 
 
 # ---- coefficients of forces ----
-@njit(float64(f1, int64, int64, int64))
+@typed(float64(f1, int64, int64, int64))
 def product(W, a, b, m):
     """The coefficient m of a product."""
     total = 0.0
@@ -40,7 +40,7 @@ def product(W, a, b, m):
     return total
 
 
-@njit(float64(f1, int64, int64, int64))
+@typed(float64(f1, int64, int64, int64))
 def rest(W, a, b, m):
     """The same without the first coefficient of a."""
     total = 0.0
@@ -49,7 +49,7 @@ def rest(W, a, b, m):
     return total
 
 
-@njit(float64(f1, int64, int64, int64))
+@typed(float64(f1, int64, int64, int64))
 def chain(W, a, slope, m):
     """The coefficient m of a function of a, from its slope."""
     total = 0.0
@@ -59,7 +59,7 @@ def chain(W, a, slope, m):
 
 
 # ---- where bodies are ----
-@njit(void(int64, float64, f2, i2, f2, f1))
+@typed(void(int64, float64, f2, i2, f2, f1))
 def row_at(i, now, S, K, X, R):
     """The coefficients of a body's position, counted from now."""
     dt = now - S[i, T0]
@@ -77,20 +77,20 @@ def row_at(i, now, S, K, X, R):
                 R[m] = fma(R[m + 1], dt, R[m])
 
 
-@njit(float64(int64, float64, f2, i2, f2))
+@typed(float64(int64, float64, f2, i2, f2))
 def position_at(i, now, S, K, X):
     """Its position."""
     dt = now - S[i, T0]
     return fma(S[i, BASE], dt, S[i, XS]) if K[i, MODE] == 0 else value_at(X[i], 0, PLACES - 1, dt)
 
 
-@njit(float64(int64, float64, f2, i2, f2))
+@typed(float64(int64, float64, f2, i2, f2))
 def velocity_at(i, now, S, K, X):
     """Its velocity."""
     return S[i, BASE] if K[i, MODE] == 0 else slope_at(X[i], 0, PLACES - 1, now - S[i, T0])
 
 
-@njit(float64(int64, float64, float64, float64, f2, i2, f2, i2, i1, f1, i1))
+@typed(float64(int64, float64, float64, float64, f2, i2, f2, i2, i1, f1, i1))
 def push_on(i, now, x, v, S, K, X, LINK, ADJ, NUM, N):
     """All forces on a body but friction; their sizes stand at SIZE."""
     total, size = S[i, PUSH], abs(S[i, PUSH])
@@ -111,7 +111,7 @@ def push_on(i, now, x, v, S, K, X, LINK, ADJ, NUM, N):
     return total
 
 
-@njit(float64(int64, float64, i2, f1))
+@typed(float64(int64, float64, i2, f1))
 def friction_of(i, slip, K, NUM):
     """The friction force while it slides."""
     if K[i, MODE] > 0:

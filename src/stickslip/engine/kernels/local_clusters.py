@@ -4,7 +4,7 @@
 
 
 # ---- what comes next: a tree of times ----
-@njit(void(int64, float64, f1))
+@typed(void(int64, float64, f1))
 def plan(i, t, TREE):
     """Body i, as the first of its cluster or at rest, is due at t."""
     k = i + len(TREE) // 2
@@ -15,7 +15,7 @@ def plan(i, t, TREE):
         k = k // 2
 
 
-@njit(int64(f1))
+@typed(int64(f1))
 def next_due(TREE):
     """The body that is due first."""
     k, half = 1, len(TREE) // 2
@@ -25,7 +25,7 @@ def next_due(TREE):
 
 
 # ---- where a step ends ----
-@njit(float64(f1, int64, int64))
+@typed(float64(f1, int64, int64))
 def first_zero(C, at, degree):
     """Where a polynomial first falls below zero in [0, 1]; 2 if it does not.
 
@@ -42,7 +42,7 @@ def first_zero(C, at, degree):
     return first_below(C, at, degree, noise)
 
 
-@njit(float64(float64, float64, int64))
+@typed(float64(float64, float64, int64))
 def reach(least, coefficient, m):
     """Where a term of order m is as large as is tolerated."""
     if coefficient == 0.0 or not least > 0.0:
@@ -51,7 +51,7 @@ def reach(least, coefficient, m):
 
 
 # ---- clusters ----
-@njit(int64(int64, int64, i2, i2, i1, i1, i1))
+@typed(int64(int64, int64, i2, i2, i1, i1, i1))
 def gather(i, first, K, LINK, ADJ, Q, N):
     """The bodies that move together with body i, which moves: their numbers in Q from a place on, and the place after them."""
     mark = N[MARKS]
@@ -71,7 +71,7 @@ def gather(i, first, K, LINK, ADJ, Q, N):
     return end
 
 
-@njit(int64(int64, int64, float64, f2, i2, f2, i2, i1, i1, i1, i1))
+@typed(int64(int64, int64, float64, f2, i2, f2, i2, i1, i1, i1, i1))
 def links_of(first, end, now, S, K, X, LINK, ADJ, Q, L, N):
     """The links of the bodies in Q from first to end, each once; what rests at their other ends is where it is now."""
     N[MARKS] += 1
@@ -90,7 +90,7 @@ def links_of(first, end, now, S, K, X, LINK, ADJ, Q, L, N):
     return count
 
 
-@njit(void(int64, int64, float64, f2, i2, f2, i2, i1, f1, f2, f2, f2, i1, i1, i1))
+@typed(void(int64, int64, float64, f2, i2, f2, i2, i1, f1, f2, f2, f2, i1, i1, i1))
 def expand(first, end, now, S, K, X, LINK, ADJ, NUM, WL, WC, WA, Q, L, N):
     """The Taylor coefficients of all bodies of a cluster."""
     count = links_of(first, end, now, S, K, X, LINK, ADJ, Q, L, N)
@@ -148,7 +148,7 @@ def expand(first, end, now, S, K, X, LINK, ADJ, NUM, WL, WC, WA, Q, L, N):
             X[i, m + 2] = total / (S[i, MASS] * ((m + 1) * (m + 2)))
 
 
-@njit(float64(int64, int64, f2, i2, f2, f1, i1))
+@typed(float64(int64, int64, f2, i2, f2, f1, i1))
 def longest(first, end, S, K, X, JOB, Q):
     """The step whose last terms are below rounding, for all bodies of a cluster."""
     speed = JOB[SPEED]
@@ -162,7 +162,7 @@ def longest(first, end, S, K, X, JOB, Q):
     return h
 
 
-@njit(float64(int64, float64, f2, i2, f2, f1))
+@typed(float64(int64, float64, f2, i2, f2, f1))
 def rests_after(i, h, S, K, X, G):
     """The part of a step after which the slip of a moving body is zero; above 1: it is not."""
     side = np.float64(K[i, MODE])
@@ -180,7 +180,7 @@ def rests_after(i, h, S, K, X, G):
     return first_zero(G, first, ORDER - first)
 
 
-@njit(boolean(int64, int64, float64, float64, f2, i2, f2, i2, i1, f1, f1, i1, i1))
+@typed(boolean(int64, int64, float64, float64, f2, i2, f2, i2, i1, f1, f1, i1, i1))
 def fits(first, end, now, dt, S, K, X, LINK, ADJ, NUM, JOB, Q, N):
     """Whether the polynomials do what the equations say at a time dt after now."""
     for q in range(first, end):
@@ -202,7 +202,7 @@ def fits(first, end, now, dt, S, K, X, LINK, ADJ, NUM, JOB, Q, N):
     return True
 
 
-@njit(void(int64, int64, float64, f2, i2, f2, i2, i1, f1, f2, f2, f2, f1, f1, f1, i1, i1, i1))
+@typed(void(int64, int64, float64, f2, i2, f2, i2, i1, f1, f2, f2, f2, f1, f1, f1, i1, i1, i1))
 def begin_step(first, end, now, S, K, X, LINK, ADJ, NUM, WL, WC, WA, G, TREE, JOB, Q, L, N):
     """Expand a cluster, and plan where its step ends."""
     expand(first, end, now, S, K, X, LINK, ADJ, NUM, WL, WC, WA, Q, L, N)

@@ -10,7 +10,7 @@ margins beside them are looked at again.
 
 
 # ---- what is kept ----
-@njit(void(int64, float64, f2, i2, f2, f2, i1))
+@typed(void(int64, float64, f2, i2, f2, f2, i1))
 def close(i, now, S, K, X, PIECES, N):
     """Write down the piece of a body that ends now, and where it is then."""
     if now > S[i, T0]:
@@ -30,7 +30,7 @@ def close(i, now, S, K, X, PIECES, N):
     S[i, XS], S[i, VS], S[i, T0] = x, v, now
 
 
-@njit(void(int64, float64, int64, f2, i2, f2, i1))
+@typed(void(int64, float64, int64, f2, i2, f2, i1))
 def switch(i, now, mode, S, K, EVENTS, N):
     """A contact has another mode; its slip is zero."""
     k = N[EVENTS_WRITTEN]
@@ -42,7 +42,7 @@ def switch(i, now, mode, S, K, EVENTS, N):
 
 
 # ---- bodies at rest ----
-@njit(void(int64, float64, f2, i2, f2, i2, i1, f1, f2, f2, f2, f1, f1, f1))
+@typed(void(int64, float64, f2, i2, f2, i2, i1, f1, f2, f2, f2, f1, f1, f1))
 def watch(i, now, S, K, X, LINK, ADJ, NUM, WL, WA, Z, G, TREE, JOB):
     """Plan when a body at rest breaks away, or is looked at again."""
     end = JOB[STOP]
@@ -103,7 +103,7 @@ def watch(i, now, S, K, X, LINK, ADJ, NUM, WL, WA, Z, G, TREE, JOB):
     plan(i, due, TREE)
 
 
-@njit(void(int64, int64, float64, f2, i2, f2, i2, i1, f1, f2, f2, f2, f1, f1, f1, i1, i1))
+@typed(void(int64, int64, float64, f2, i2, f2, i2, i1, f1, f2, f2, f2, f1, f1, f1, i1, i1))
 def watch_beside(first, end, now, S, K, X, LINK, ADJ, NUM, WL, WA, Z, G, TREE, JOB, Q, N):
     """Look at the bodies at rest among those in Q from first to end, and beside them."""
     N[MARKS] += 1
@@ -121,7 +121,7 @@ def watch_beside(first, end, now, S, K, X, LINK, ADJ, NUM, WL, WA, Z, G, TREE, J
                 watch(other, now, S, K, X, LINK, ADJ, NUM, WL, WA, Z, G, TREE, JOB)
 
 
-@njit(void(int64, float64, f2, i2, f2, i2, i1, f1, f2, i1))
+@typed(void(int64, float64, f2, i2, f2, i2, i1, f1, f2, i1))
 def settle(i, now, S, K, X, LINK, ADJ, NUM, EVENTS, N):
     """Decide how a contact goes on whose slip is zero."""
     before = K[i, MODE]
@@ -134,7 +134,7 @@ def settle(i, now, S, K, X, LINK, ADJ, NUM, EVENTS, N):
         N[SWITCHED] -= 1
 
 
-@njit(void(int64, int64, float64, f2, i2, f2, i2, i1, f1, f2, f2, f2, f2, f1, f1, f1, i1, i1, i1))
+@typed(void(int64, int64, float64, f2, i2, f2, i2, i1, f1, f2, f2, f2, f2, f1, f1, f1, i1, i1, i1))
 def regroup(first, end, now, S, K, X, LINK, ADJ, NUM, WL, WC, WA, Z, G, TREE, JOB, Q, L, N):
     """Find the clusters of the bodies in Q from first to end, which are all where they are now, and begin their steps."""
     for q in range(first, end):
@@ -156,7 +156,7 @@ def regroup(first, end, now, S, K, X, LINK, ADJ, NUM, WL, WC, WA, Z, G, TREE, JO
     watch_beside(first, slot, now, S, K, X, LINK, ADJ, NUM, WL, WA, Z, G, TREE, JOB, Q, N)
 
 
-@njit(void(f2, i2, f2, i2, i1, f1, f2, f2, f2, f2, f1, f1, f1, i1, i1, f2, i1))
+@typed(void(f2, i2, f2, i2, i1, f1, f2, f2, f2, f2, f1, f1, f1, i1, i1, f2, i1))
 def begin(S, K, X, LINK, ADJ, NUM, WL, WC, WA, Z, G, TREE, JOB, Q, L, EVENTS, N):
     """Modes, clusters and margins at the start."""
     bodies, now = len(S), JOB[NOW]
@@ -180,14 +180,14 @@ def begin(S, K, X, LINK, ADJ, NUM, WL, WC, WA, Z, G, TREE, JOB, Q, L, EVENTS, N)
     regroup(0, bodies, now, S, K, X, LINK, ADJ, NUM, WL, WC, WA, Z, G, TREE, JOB, Q, L, N)
 
 
-@njit(void(f2, i2, f2, f1, f2, i1))
+@typed(void(f2, i2, f2, f1, f2, i1))
 def finish(S, K, X, JOB, PIECES, N):
     """Write down the pieces of all bodies up to now."""
     for i in range(len(S)):
         close(i, JOB[NOW], S, K, X, PIECES, N)
 
 
-@njit(void(f2, i2, f2, i2, i1, f1, f2, f2, f2, f2, f1, f1, f1, i1, i1, f2, f2, i1))
+@typed(void(f2, i2, f2, i2, i1, f1, f2, f2, f2, f2, f1, f1, f1, i1, i1, f2, f2, i1))
 def advance(S, K, X, LINK, ADJ, NUM, WL, WC, WA, Z, G, TREE, JOB, Q, L, PIECES, EVENTS, N):
     """Go on until the end or the pause, until the arrays for pieces or events are full, or until the steps of this call are used up."""
     bodies = len(S)
@@ -235,7 +235,7 @@ def advance(S, K, X, LINK, ADJ, NUM, WL, WC, WA, Z, G, TREE, JOB, Q, L, PIECES, 
             return
 
 
-@njit(void(int64, f2, i2, f2, i2, i1, f1, f2, f2, f2, f2, f1, f1, f1, i1, i1, f2, f2, i1))
+@typed(void(int64, f2, i2, f2, i2, i1, f1, f2, f2, f2, f2, f1, f1, f1, i1, i1, f2, f2, i1))
 def act(what, S, K, X, LINK, ADJ, NUM, WL, WC, WA, Z, G, TREE, JOB, Q, L, PIECES, EVENTS, N):
     """What Python asks for, in one compiled function."""
     if what == BEGIN:

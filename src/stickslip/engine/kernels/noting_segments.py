@@ -3,7 +3,7 @@
 # mypy: ignore-errors
 
 
-@njit(void(int64, int64, int64, float64, int64), **OPTIONS)
+@typed(void(int64, int64, int64, float64, int64))
 def add_segment(lane, i, code, length, W):
     """Append a stretch of one code to those of contact i, or lengthen the last one."""
     N, SEGT, SEGC = N_of(W), SEGT_of(W), SEGC_of(W)

@@ -9,7 +9,7 @@ NEWTON = 60  # iterations at most; a handful is usual
 HALVES = 40  # of a quarter of a step, in search of the steepest fall in it
 
 
-@njit(float64(f1, int64, int64, float64))
+@typed(float64(f1, int64, int64, float64))
 def value_at(C, at, degree, x):
     """The value at x."""
     value = C[at + degree * STRIDE]
@@ -18,7 +18,7 @@ def value_at(C, at, degree, x):
     return value
 
 
-@njit(float64(f1, int64, int64, float64))
+@typed(float64(f1, int64, int64, float64))
 def slope_at(C, at, degree, x):
     """The slope at x."""
     value = degree * C[at + degree * STRIDE]
@@ -27,7 +27,7 @@ def slope_at(C, at, degree, x):
     return value
 
 
-@njit(float64(f1, int64, int64, float64))
+@typed(float64(f1, int64, int64, float64))
 def curvature_at(C, at, degree, x):
     """The second derivative at x."""
     value = degree * (degree - 1) * C[at + degree * STRIDE]
@@ -36,7 +36,7 @@ def curvature_at(C, at, degree, x):
     return value
 
 
-@njit(float64(f1, int64, int64, float64, float64))
+@typed(float64(f1, int64, int64, float64, float64))
 def zero_between(C, at, degree, lo, hi):
     """The zero between lo (not below zero) and hi (below zero): Newton's method, held in the bracket."""
     x = 0.5 * (lo + hi)
@@ -55,7 +55,7 @@ def zero_between(C, at, degree, lo, hi):
     return x
 
 
-@njit(float64(f1, int64, int64, float64, float64, float64, float64))
+@typed(float64(f1, int64, int64, float64, float64, float64, float64))
 def turning_point(C, at, degree, lo, hi, d0, d1):
     """Where the slope is zero between lo and hi, where it is d0 and d1, which differ in sign: Newton's method, held in the bracket."""
     x = lo + (hi - lo) * d0 / (d0 - d1)
@@ -74,7 +74,7 @@ def turning_point(C, at, degree, lo, hi, d0, d1):
     return x
 
 
-@njit(float64(f1, int64, int64, float64))
+@typed(float64(f1, int64, int64, float64))
 def steepest_fall(C, at, degree, hi):
     """Where the slope is least between 0, where the curvature is negative, and hi, where it is positive: by halves."""
     lo = 0.0
@@ -87,7 +87,7 @@ def steepest_fall(C, at, degree, hi):
     return lo
 
 
-@njit(float64(f1, int64, int64, float64))
+@typed(float64(f1, int64, int64, float64))
 def first_below(C, at, degree, noise):
     """Where one that does not begin below `noise` first falls below zero in [0, 1]; 2 if it does not, 3 if it touches zero meanwhile."""
     none, a, da = 2.0, 0.0, C[at + STRIDE]

@@ -14,7 +14,7 @@ IN_LANE, WAITING, SORT, VARIED = 0, 1, 3, 4
 NOBODY, MISFIT, FIT = 0, 1, 2  # what a lane has: no case, one that wants the other sort of step, one that wants this
 
 
-@njit(void(int64, int64, int64, f1, int64, i1), **OPTIONS)
+@typed(void(int64, int64, int64, f1, int64, i1))
 def put_away(slot, lane, sort, S, W, D):
     """Let the case of a lane wait for steps of a sort."""
     STORE, POOL = STORE_of(W), POOL_of(W)
@@ -29,7 +29,7 @@ def put_away(slot, lane, sort, S, W, D):
     POOL[IN_LANE, lane] = -1
 
 
-@njit(int64(int64, int64, f1, int64, i1), **OPTIONS)
+@typed(int64(int64, int64, f1, int64, i1))
 def bring(lane, sort, S, W, D):
     """Put a case that waits for steps of a sort into an empty lane; returns its place, or -1 if there is none."""
     STORE, POOL = STORE_of(W), POOL_of(W)
@@ -52,7 +52,7 @@ def bring(lane, sort, S, W, D):
     return slot
 
 
-@njit(int64(int64, int64, int64, int64, f1, int64, i1), **OPTIONS)
+@typed(int64(int64, int64, int64, int64, f1, int64, i1))
 def exchange(lane, slot, wish, sort, S, W, D):
     """Give a lane a case that wants steps of a sort, if one waits, and it has none (place -1) or another; what it has now."""
     POOL = POOL_of(W)
@@ -64,7 +64,7 @@ def exchange(lane, slot, wish, sort, S, W, D):
     return FIT if wish == sort else MISFIT
 
 
-@njit(int64(f1, int64, i1), **OPTIONS)
+@typed(int64(f1, int64, i1))
 def marks_of(S, begin, D):
     """The lanes, as bits, in which something was noted or whose case wants the other sort of step."""
     marks = 0
@@ -73,13 +73,13 @@ def marks_of(S, begin, D):
     return marks
 
 
-@njit(int64(int64), **OPTIONS)
+@typed(int64(int64))
 def lowest(bits):
     """The place of the lowest bit that is set."""
     return (as_bits(np.float64(bits & -bits)) >> 52) - 1023
 
 
-@njit(int64(int64), **OPTIONS)
+@typed(int64(int64))
 def count_of(bits):
     """How many bits are set."""
     count = 0
@@ -89,7 +89,7 @@ def count_of(bits):
     return count
 
 
-@njit(void(int64, int64, f1, int64, i1), **OPTIONS)
+@typed(void(int64, int64, f1, int64, i1))
 def keep_constants(slot, lane, S, W, D):
     """What lasts as long as the case of a lane."""
     STORE, POOL = STORE_of(W), POOL_of(W)
@@ -97,7 +97,7 @@ def keep_constants(slot, lane, S, W, D):
         STORE[slot, D[LASTING] + j] = S[POOL.shape[1] + lane + D[F_C] + j * D[LANES]]
 
 
-@njit(void(int64, i1), **OPTIONS)
+@typed(void(int64, i1))
 def find_varied(W, D):
     """Which numbers of a case are not those of all other cases: lanes that change their case need no others."""
     JOB, PARAM, POOL = JOB_of(W), PARAM_of(W), POOL_of(W)
@@ -114,7 +114,7 @@ def find_varied(W, D):
             POOL[VARIED, POOL[VARIED, 0]] = j
 
 
-@njit(int64(f1, int64, i1), **OPTIONS)
+@typed(int64(f1, int64, i1))
 def cases_at_work(S, W, D):
     """How many places have a case; at the start of a job they are given the first ones, and the first of these the lanes."""
     N, POOL = N_of(W), POOL_of(W)
@@ -140,7 +140,7 @@ def cases_at_work(S, W, D):
     return active
 
 
-@njit(UniTuple(int64, 2)(f1, int64, i1), **OPTIONS)
+@typed(UniTuple(int64, 2)(f1, int64, i1))
 def idle_lanes(S, W, D):
     """Bits of the lanes whose case wants the other sort of step, and of the lanes without a case."""
     POOL = POOL_of(W)
@@ -153,7 +153,7 @@ def idle_lanes(S, W, D):
     return misfits, empty
 
 
-@njit(int64(f1, int64, int64, i1), **CALLED, **BORROWING)
+@typed(int64(f1, int64, int64, i1))
 def advance_pooled(S, calls, W, D):
     """As `advance`, with a row of N, K, RING and XS for each place, and as many numbers before the lanes in S as there are places."""
     N, POOL = N_of(W), POOL_of(W)

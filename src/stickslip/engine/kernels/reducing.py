@@ -9,7 +9,7 @@
 ELSEWHERE, STATES_THERE, INSTANTS, EACH_STATE = 8, 9, 10, 11  # rows of ROOM
 
 
-@njit(float64(int64, int64, float64, f1, i1), **OPTIONS)
+@typed(float64(int64, int64, float64, f1, i1))
 def state_at(lane, i, theta, S, D):
     """A state at a part of the last step."""
     L, degree = D[LANES], D[DEGREE]
@@ -20,7 +20,7 @@ def state_at(lane, i, theta, S, D):
     return value
 
 
-@njit(void(int64, f1, int64, f1, f1, int64, i1), **OPTIONS)
+@typed(void(int64, f1, int64, f1, f1, int64, i1))
 def look_at_all(lane, at, count, S, row, W, D):
     """All signals at several parts of the last step, each into its row of ROOM."""
     HELD, ROOM = HELD_of(W), ROOM_of(W)
@@ -42,7 +42,7 @@ def look_at_all(lane, at, count, S, row, W, D):
         call_signals(D[AT_SIGNALS], row, t, ROOM[STATES_THERE], HELD[lane], ROOM[j])
 
 
-@njit(void(int64, float64, int64, f1, f1, int64, i1), **OPTIONS)
+@typed(void(int64, float64, int64, f1, f1, int64, i1))
 def look_at(lane, theta, to, S, row, W, D):
     """All signals at a part of the last step, into a row of ROOM."""
     HELD, ROOM = HELD_of(W), ROOM_of(W)
@@ -53,7 +53,7 @@ def look_at(lane, theta, to, S, row, W, D):
     call_signals(D[AT_SIGNALS], row, t, ROOM[STATES_THERE], HELD[lane], ROOM[to])
 
 
-@njit(float64(int64, int64, float64, f1, f1, int64, i1), **OPTIONS)
+@typed(float64(int64, int64, float64, f1, f1, int64, i1))
 def signal_at(lane, k, theta, S, row, W, D):
     """One signal at a part of the last step; by its polynomial if it is a state."""
     ROOM = ROOM_of(W)
@@ -64,7 +64,7 @@ def signal_at(lane, k, theta, S, row, W, D):
     return ROOM[ELSEWHERE, k]
 
 
-@njit(float64(int64, int64, float64, float64, float64, float64, float64, float64, float64, f1, f1, int64, i1), **OPTIONS)
+@typed(float64(int64, int64, float64, float64, float64, float64, float64, float64, float64, f1, f1, int64, i1))
 def highest(lane, k, sign, a, b, c, va, vb, vc, S, row, W, D):
     """The largest value of a signal times `sign` between a and c, from one in the middle that is not below them: parabolas."""
     width = 1e-8 * (c - a)
@@ -87,7 +87,7 @@ def highest(lane, k, sign, a, b, c, va, vb, vc, S, row, W, D):
     return vb
 
 
-@njit(float64(int64, int64, float64, float64, float64, float64, float64, f1, f1, int64, i1), **OPTIONS)
+@typed(float64(int64, int64, float64, float64, float64, float64, float64, f1, f1, int64, i1))
 def crossing(lane, k, level, a, b, va, vb, S, row, W, D):
     """Where a signal passes a level between a and b: regula falsi, with the end that stays weighed down."""
     fa, fb, x = va - level, vb - level, b
@@ -105,7 +105,7 @@ def crossing(lane, k, level, a, b, va, vb, S, row, W, D):
     return x
 
 
-@njit(void(int64, float64, f1, int64, f1, f1, int64, i1), **OPTIONS)
+@typed(void(int64, float64, f1, int64, f1, f1, int64, i1))
 def add_stretches(lane, h, at, count, S, row, W, D):
     """Lengthen the stretches of every contact by the last step, cut where a slip ratio passes its threshold."""
     HELD, ROOM = HELD_of(W), ROOM_of(W)
@@ -124,7 +124,7 @@ def add_stretches(lane, h, at, count, S, row, W, D):
         add_segment(lane, i, 2 * side if slips else side, (at[count - 1] - begin) * h, W)
 
 
-@njit(float64(int64, int64, float64, float64, f1, int64, f1, f1, int64, i1), **OPTIONS)
+@typed(float64(int64, int64, float64, float64, f1, int64, f1, f1, int64, i1))
 def largest(lane, k, sign, known, at, count, S, row, W, D):
     """The largest value of a signal times `sign` in the last step, or what is known if that is more."""
     ROOM = ROOM_of(W)
@@ -151,7 +151,7 @@ def largest(lane, k, sign, known, at, count, S, row, W, D):
     return known
 
 
-@njit(void(int64, f1, f1, int64, i1), **OPTIONS)
+@typed(void(int64, f1, f1, int64, i1))
 def reduce_step(lane, S, row, W, D):
     """Add what the last step of a lane did to all that is noted."""
     FOUND, ROOM = FOUND_of(W), ROOM_of(W)
@@ -193,7 +193,7 @@ def reduce_step(lane, S, row, W, D):
             FOUND[lane, s, SMALLEST] = -largest(lane, k, -1.0, -FOUND[lane, s, SMALLEST], at, count, S, row, W, D)
 
 
-@njit(void(int64, int64, i1), **OPTIONS)
+@typed(void(int64, int64, i1))
 def begin_signals(lane, W, D):
     """Nothing is known of the signals yet."""
     FOUND = FOUND_of(W)
@@ -204,7 +204,7 @@ def begin_signals(lane, W, D):
         FOUND[lane, s, SMALLEST] = math.nan if kind & COUNTED else math.inf
 
 
-@njit(void(int64, f1, int64, i1), **OPTIONS)
+@typed(void(int64, f1, int64, i1))
 def hold(lane, S, W, D):
     """Keep the flags, modes and clocks that hold in the step to come."""
     HELD = HELD_of(W)
@@ -217,7 +217,7 @@ def hold(lane, S, W, D):
         HELD[lane, n + D[MODES] + k] = S[D[F_CLK] + k * L + lane]
 
 
-@njit(void(f1, int64, i1), **OPTIONS)
+@typed(void(f1, int64, i1))
 def widen_all(S, W, D):
     """Extremes of velocities in a step in the window, of bodies that move with their coordinates; all lanes at once."""
     N, JOB = N_of(W), JOB_of(W)
@@ -249,7 +249,7 @@ def widen_all(S, W, D):
                 widen_within(high + lane, k, part, S[last + lane], S[after + lane], S[bend + lane], S, D)
 
 
-@njit(void(int64, f1, int64, i1), **OPTIONS)
+@typed(void(int64, f1, int64, i1))
 def begin_parts(lane, S, W, D):
     """At the start of a case: what its first step holds; of signals and of extremes in the window nothing is known."""
     hold(lane, S, W, D)
@@ -258,7 +258,7 @@ def begin_parts(lane, S, W, D):
         S[wide(b, D) + lane], S[wide(b, D) + D[LANES] + lane] = -math.inf, math.inf
 
 
-@njit(void(int64, int64, f1, int64, i1), **OPTIONS)
+@typed(void(int64, int64, f1, int64, i1))
 def note_parts(lane, case, S, W, D):
     """Write what was found of the signals of a case, and of its bodies in the window."""
     FOUND, NOTED = FOUND_of(W), NOTED_of(W)
@@ -269,7 +269,7 @@ def note_parts(lane, case, S, W, D):
             NOTED[case, s, j] = FOUND[lane, s, j]
 
 
-@njit(void(int64, f1, f1, int64, i1), **OPTIONS)
+@typed(void(int64, f1, f1, int64, i1))
 def widen(lane, S, row, W, D):
     """The same of one lane, where a body moves otherwise than its coordinate: at both ends of the step, its middle, where it turns."""
     ROOM = ROOM_of(W)

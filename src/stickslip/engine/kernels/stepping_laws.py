@@ -6,14 +6,14 @@ LOCATED = 60  # halvings, and as many chords in turn, of a step in which a guard
 MOST = 4 * SWITCHES + 1  # switches within a step, after which it goes on without
 
 
-@njit(void(f1, float64))
+@typed(void(f1, float64))
 def fill(room, value):
     """One number in all places of an array."""
     for i in range(len(room)):
         room[i] = value
 
 
-@njit(void(f1, f1, f1, f1, f1))
+@typed(void(f1, f1, f1, f1, f1))
 def switch(guard, came, after, own, mode):
     """Where a guard has fallen that stood on the way here, what follows; the last of several counts."""
     for k in range(SWITCHES):
@@ -25,7 +25,7 @@ def switch(guard, came, after, own, mode):
                 own[i] = after[first + MODES + i]
 
 
-@njit(void(f1, f1, f1, float64, float64, float64, f1, f1))
+@typed(void(f1, f1, f1, float64, float64, float64, f1, f1))
 def advanced(row, own, mode, v, load, h, f, J):
     """A step of each inner state at constant velocity, exact where its rate is linear in it."""
     rates_of(row, own, mode, v, load, f, J)
@@ -34,14 +34,14 @@ def advanced(row, own, mode, v, load, h, f, J):
         own[i] += h * f[i] * (math.expm1(a) / a if abs(a) > 1e-8 else 1.0)
 
 
-@njit(void(f1, f1))
+@typed(void(f1, f1))
 def put(room, values):
     """The same numbers in another array."""
     for i in range(len(values)):
         room[i] = values[i]
 
 
-@njit(int64(f1, f1, f1))
+@typed(int64(f1, f1, f1))
 def first_fallen(before, after, last):
     """The guard that falls to zero first on a step, by its values at both ends; -1 if none does.
 
@@ -57,7 +57,7 @@ def first_fallen(before, after, last):
     return which
 
 
-@njit(float64(f1, f1, f1, float64, float64, float64, int64, f1, f1, f1, f1, f1))
+@typed(float64(f1, f1, f1, float64, float64, float64, int64, f1, f1, f1, f1, f1))
 def zero_of(row, own, mode, v, load, h, k, before, after, z, f, J):
     """When on a step a guard is zero: bisection, and regula falsi in turn."""
     low, high, at_low, at_high = 0.0, h, before[k], after[k]
@@ -76,7 +76,7 @@ def zero_of(row, own, mode, v, load, h, k, before, after, z, f, J):
     return high
 
 
-@njit(void(f1, f1, f1, float64, float64, float64, f1, f1, f1))
+@typed(void(f1, f1, f1, float64, float64, float64, f1, f1, f1))
 def remembered_step(row, own, mode, v, load, h, f, J, last):
     """A step within which a law's memory switches where its guards fall to zero, one after the other."""
     z, before, guard = np.empty(max(STATES, 1)), np.empty(max(SWITCHES, 1)), np.empty(max(SWITCHES, 1))
@@ -105,7 +105,7 @@ def remembered_step(row, own, mode, v, load, h, f, J, last):
             own[i] = after[first + MODES + i]
 
 
-@njit(float64(f1))
+@typed(float64(f1))
 def lowest(values):
     """The smallest of some numbers."""
     least = math.inf
@@ -114,7 +114,7 @@ def lowest(values):
     return least
 
 
-@njit(void(f2, f1, f1, f2, f1, f2, f2, f2, f2))
+@typed(void(f2, f1, f1, f2, f1, f2, f2, f2, f2))
 def follow(rows, v, at, loads, steps, applied, begun, z, out):
     """Each case alone: a step of each inner state at constant velocity; then the force.
 

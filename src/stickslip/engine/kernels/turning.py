@@ -8,7 +8,7 @@ SURELY = 0.25  # of how far a cubic turns beyond the ends of a step: it may be w
 WELL = 1e-4  # of a step: Newton's method is then within 1e-8 of where it turns, and the value there known to 1e-16 of its change
 
 
-@njit(float64(int64, float64, f1, i1), **OPTIONS)
+@typed(float64(int64, float64, f1, i1))
 def on_step(at, x, S, D):
     """The value at a part of the step."""
     L, degree = D[LANES], D[DEGREE]
@@ -18,7 +18,7 @@ def on_step(at, x, S, D):
     return value
 
 
-@njit(float64(int64, float64, f1, i1), **OPTIONS)
+@typed(float64(int64, float64, f1, i1))
 def slope_on_step(at, x, S, D):
     """The slope at a part of the step."""
     L, degree = D[LANES], D[DEGREE]
@@ -28,7 +28,7 @@ def slope_on_step(at, x, S, D):
     return value
 
 
-@njit(float64(int64, float64, float64, float64, float64, f1, i1), **OPTIONS)
+@typed(float64(int64, float64, float64, float64, float64, f1, i1))
 def value_where_it_turns(at, a, b, rising, x, S, D):
     """The value between two parts of the step where the slope, whose sign at the first is that of `rising`, is zero: Newton from x."""
     L, degree = D[LANES], D[DEGREE]
@@ -53,19 +53,19 @@ def value_where_it_turns(at, a, b, rising, x, S, D):
     return fma(fma(fma(twist, change, bend), change, slope), change, value)
 
 
-@njit(int64(int64, i1), **OPTIONS)
+@typed(int64(int64, i1))
 def wide(b, D):
     """Where a body's extremes in the window begin, behind the fields of the step: the largest velocity of each lane, the smallest."""
     return (D[FIELDS] + 2 * b) * D[LANES]
 
 
-@njit(void(int64, float64, f1, i1), **OPTIONS)
+@typed(void(int64, float64, f1, i1))
 def widen_by(high, value, S, D):
     """Widen a range by a value."""
     S[high], S[high + D[LANES]] = max(S[high], value), min(S[high + D[LANES]], value)
 
 
-@njit(void(int64, int64, float64, f1, i1), **OPTIONS)
+@typed(void(int64, int64, float64, f1, i1))
 def widen_on_step(high, at, part, S, D):
     """Widen the largest value at S[high], and the smallest one behind it, by a polynomial from the step's beginning to a part of it."""
     L, last, after, bend = D[LANES], S[at] + S[at + D[LANES]], S[at + D[LANES]], 0.0
@@ -80,7 +80,7 @@ def widen_on_step(high, at, part, S, D):
         widen_within(high, at, part, last, after, bend, S, D)
 
 
-@njit(boolean(int64, float64, float64, float64, float64, float64, f1, i1), **OPTIONS)
+@typed(boolean(int64, float64, float64, float64, float64, float64, f1, i1))
 def may_widen(high, first, last, before, after, bend, S, D):
     """Whether a polynomial on the unit interval may leave the range so far, with its values and slopes at both ends.
 
@@ -91,7 +91,7 @@ def may_widen(high, first, last, before, after, bend, S, D):
     return not (max(first, last) + beside <= S[high] and min(first, last) - beside >= S[high + D[LANES]])
 
 
-@njit(float64(float64, float64, float64, float64), **OPTIONS)
+@typed(float64(float64, float64, float64, float64))
 def where_cubic_turns(rise, before, after, sign):
     """Where the cubic on the unit interval turns that rises so much, and has these slopes of different signs at its ends."""
     a, b = before + after - 2.0 * rise, 3.0 * rise - 2.0 * before - after
@@ -99,7 +99,7 @@ def where_cubic_turns(rise, before, after, sign):
     return before / (sign * root - b)
 
 
-@njit(void(int64, int64, float64, float64, float64, float64, f1, i1), **OPTIONS)
+@typed(void(int64, int64, float64, float64, float64, float64, f1, i1))
 def widen_within(high, at, part, last, after, bend, S, D):
     """The same of one that may; `last` and `after` are its value and its slope at the end of the part, its curvature is `bend` at most."""
     first, before, L = S[at], S[at + D[LANES]], D[LANES]
@@ -134,13 +134,13 @@ def widen_within(high, at, part, last, after, bend, S, D):
             widen_between(high, at, 1.5 * half, part, late, after, S, D)
 
 
-@njit(void(int64, int64, float64, float64, float64, float64, f1, i1), **OPTIONS)
+@typed(void(int64, int64, float64, float64, float64, float64, f1, i1))
 def widen_between(high, at, a, b, before, after, S, D):
     """Widen a range by the value between two parts of the step whose slopes differ in sign."""
     widen_by(high, value_where_it_turns(at, a, b, before, a + (b - a) * before / (before - after), S, D), S, D)
 
 
-@njit(float64(int64, f1, i1), **OPTIONS)
+@typed(float64(int64, f1, i1))
 def part_made(lane, S, D):
     """The part of its last step that a lane made: less than 1 where something switched within it, 0 where it was refused."""
     if S[D[F_STAT] + lane] == 1.0:

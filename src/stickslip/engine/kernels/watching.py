@@ -3,7 +3,7 @@
 # mypy: ignore-errors
 
 
-@njit(void(int64, f1, int64, i1), **OPTIONS)
+@typed(void(int64, f1, int64, i1))
 def begin_record(lane, S, W, D):
     """Start to observe the motion from the lane's present point."""
     N, K = N_of(W), K_of(W)
@@ -24,7 +24,7 @@ def begin_record(lane, S, W, D):
     K[lane, LASTED] = 0.0
 
 
-@njit(float64(int64, float64, float64, f1, i1), **OPTIONS)
+@typed(float64(int64, float64, float64, f1, i1))
 def slip(lane, theta, slip_ratio, S, D):
     """By how much |v| times the slip ratio 1 - (dz/dt)/v of one inner state is above its limit within a step, on the step's polynomials."""
     L, degree, first = D[LANES], D[DEGREE], D[F_K] + lane
@@ -36,7 +36,7 @@ def slip(lane, theta, slip_ratio, S, D):
     return (1.0 - slip_ratio) * abs(v) - math.copysign(rise, rise * v) / S[D[F_HH] + lane]
 
 
-@njit(float64(int64, float64, f1, i1), **OPTIONS)
+@typed(float64(int64, float64, f1, i1))
 def turned(lane, slip_ratio, S, D):
     """The part of a step after which slip begins or ends, where its polynomials are as good as its ends; -1 where it does not."""
     slips = S[D[F_RATIO] + lane] >= slip_ratio
@@ -63,7 +63,7 @@ def turned(lane, slip_ratio, S, D):
     return high
 
 
-@njit(void(int64, float64, float64, float64, int64, i1), **OPTIONS)
+@typed(void(int64, float64, float64, float64, int64, i1))
 def observe(lane, acceleration, ratio, period, W, D):
     """The stretch from the last observed point Q to the new one P, whose slopes are known only now."""
     N, K, slip_ratio = N_of(W), K_of(W), LIMITS_of(W)[SLIP_RATIO]
@@ -103,7 +103,7 @@ def observe(lane, acceleration, ratio, period, W, D):
     N[lane, FRESH] = 0
 
 
-@njit(float64(int64, f1, i1), **OPTIONS)
+@typed(float64(int64, f1, i1))
 def rate_before(lane, S, D):
     """The acceleration with which the last step ended, by its polynomial: behind a break of the drive it is another."""
     L, rate = D[LANES], 0.0
@@ -112,7 +112,7 @@ def rate_before(lane, S, D):
     return rate / S[D[F_HH] + lane]
 
 
-@njit(float64(int64, int64, f1, i1), **OPTIONS)
+@typed(float64(int64, int64, f1, i1))
 def place_of(lane, p, S, D):
     """Place 0 is the position of the body, or of the centre of mass; place 1 + j that of coordinate j."""
     L, j = D[LANES], p - 1
@@ -123,7 +123,7 @@ def place_of(lane, p, S, D):
     return S[D[F_X] + lane] + (S[D[F_Y] + (D[STATES] - D[COORDINATES] + j) * L + lane] if j > 0 else 0.0)
 
 
-@njit(void(int64, int64, f1, int64, i1), **OPTIONS)
+@typed(void(int64, int64, f1, int64, i1))
 def keep_places(lane, row, S, W, D):
     """Where everything is, as a row of XS."""
     XS = XS_of(W)
@@ -131,7 +131,7 @@ def keep_places(lane, row, S, W, D):
         XS[lane, row, p] = place_of(lane, p, S, D)
 
 
-@njit(void(int64, int64, f1, int64, i1), **OPTIONS)
+@typed(void(int64, int64, f1, int64, i1))
 def keep_moved(lane, row, S, W, D):
     """How far each coordinate went since a row of XS was kept."""
     N, XS, OUT = N_of(W), XS_of(W), OUT_of(W)

@@ -3,7 +3,7 @@
 # mypy: ignore-errors
 
 
-@njit(float64(int64, float64, f1), **OPTIONS)
+@typed(float64(int64, float64, f1))
 def velocity(lane, theta, S):
     """The velocity at a part of the last step."""
     v = S[F_K + DEGREE * L + lane]
@@ -12,7 +12,7 @@ def velocity(lane, theta, S):
     return v
 
 
-@njit(float64(int64, f1, f1), **OPTIONS)
+@typed(float64(int64, f1, f1))
 def work(lane, S, row):
     """What was offered in the last step and did not become kinetic energy (Gauss's rule on the dense output)."""
     begin, end, h = S[F_T0 + lane], S[F_T + lane], S[F_HH + lane]

@@ -59,11 +59,9 @@ _OURS = (str(Path(__file__).resolve().parents[2]),)
 
 def _is_yours(file: str) -> bool:
     """Whether a file belongs neither to this package nor to Python or an installed library."""
-    from stickslip.engine.cache import folder
-
     paths = sysconfig.get_paths()
     libraries = tuple(paths[name] for name in ("stdlib", "platstdlib", "purelib", "platlib"))
-    return not file.startswith("<") and not _within(file, (*_OURS, *libraries, str(folder())))
+    return not file.startswith("<") and not _within(file, (*_OURS, *libraries))
 
 
 def _within(file: str, folders: tuple[str, ...]) -> bool:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from argparse import Namespace
 
 
-_PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "xarray", "h5netcdf", "h5py", "matplotlib")
+_PACKAGES = ("numpy", "scipy", "llvmlite", "xarray", "h5netcdf", "h5py", "matplotlib")
 
 
 @command(
@@ -47,11 +47,11 @@ def act(asked: Namespace) -> Outcome:
 
 def _findings() -> dict[str, Any]:
     from stickslip import __version__
-    from stickslip.engine.cache import folder
+    from stickslip.engine.cache import ENDING, folder
 
     versions = {"stickslip": __version__, "python": platform.python_version(), **{name: _version(name) for name in _PACKAGES}}
     directory = folder()
-    compiled = [path for path in directory.rglob("*.nb[ic]")] if directory.is_dir() else []
+    compiled = [*directory.glob(f"*{ENDING}")] if directory.is_dir() else []
     writable = _can_write(directory)
     missing = [name for name, version in versions.items() if version is None]
     problems = [f"{name} is not installed; type pip install {name}" for name in missing]
@@ -59,11 +59,10 @@ def _findings() -> dict[str, Any]:
         problems.append(
             f"the cache folder {directory} cannot be written: every process compiles again; set STICKSLIP_CACHE_DIR to a folder of yours"
         )
-    kernels = {path.name.partition(".")[0] for path in compiled}
     cache = {
         "folder": str(directory),
         "writable": writable,
-        "kernels": len(kernels),
+        "kernels": len(compiled),
         "bytes": sum(path.stat().st_size for path in compiled),
     }
     return {
