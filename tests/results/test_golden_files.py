@@ -57,9 +57,10 @@ def test_the_folder_of_an_atlas_is_resumed_to_its_regions_or_says_that_it_is_of_
     plane = json.loads((GOLDEN / name / "plane.json").read_text())
     folder = shutil.copytree(GOLDEN / name, tmp_path / "atlas", ignore=shutil.ignore_patterns("plane.json"))
     told = json.loads((folder / "manifest.json").read_text())
-    for entry in [entry for entry in told["identity"] if entry.startswith("version of ")]:  # the format is tested, and not the libraries
-        installed = importlib.import_module(entry.removeprefix("version of ")).__version__
-        told["identity"][entry] = ".".join(installed.split(".")[:2]) if "stickslip" not in entry else installed
+    theirs = {part: value for part, value in told["identity"].items() if not part.startswith("version of ")}
+    now = {name: importlib.import_module(name).__version__ for name in manifest._LIBRARIES}  # the format is tested, and not the libraries
+    own = {f"version of {name}": ".".join(version.split(".")[:2]) for name, version in now.items()}
+    told["identity"] = theirs | own | {"version of stickslip": ss.__version__}
     (folder / "manifest.json").write_text(json.dumps(told))
     if told["stickslip_format"] == atlas_study._FORMAT:
         monkeypatch.setattr(model_identity, "equation_hash", lambda *_: NUMBERS[name]["equations"])

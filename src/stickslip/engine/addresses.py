@@ -6,12 +6,11 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
-from llvmlite import ir
-
 from stickslip.engine.entries import called, number_of
 from stickslip.engine.expressions import FLOAT64, INT64
 from stickslip.engine.function_body import View
-from stickslip.engine.signatures import ArrayOf, Signature, array_type, signature
+from stickslip.engine.instructions import Constant, function_type, vector_of
+from stickslip.engine.signatures import InMemory, Signature, array_type, signature
 
 
 def outside(functions: Mapping[str, str], shared: Mapping[str, str]) -> dict[str, Any]:
@@ -32,9 +31,9 @@ def _at_address(kind: Signature, builder: Any, args: list[Any]) -> Any:
     return called(builder, kind, args[0], args[1:])
 
 
-def _shared_array(which: int, kind: ArrayOf, builder: Any, args: list[Any]) -> View:
+def _shared_array(which: int, kind: InMemory, builder: Any, args: list[Any]) -> View:
     numbers = builder.inttoptr(args[0], INT64.as_pointer())
-    first, *shape = (builder.load(builder.gep(numbers, [ir.Constant(INT64, 4 * which + k)])) for k in range(1 + kind.axes))
+    first, *shape = (builder.load(builder.gep(numbers, Constant(INT64, 4 * which + k))) for k in range(1 + kind.axes))
     return View(builder.inttoptr(first, number_of(kind.number).as_pointer()), tuple(shape))
 
 
@@ -42,19 +41,18 @@ def at_points(builder: Any, args: list[Any]) -> None:
     """A polynomial S[at + m * apart] and its slope at `count` points in a row, into two other rows of the same array: one vector each."""
     S, at, rows, x, to, slopes_to = args[:6]
     order, apart, count = (arg.constant for arg in args[6:])
-    vector, index = ir.VectorType(FLOAT64, count), ir.IntType(32)
-    fma = builder.module.declare_intrinsic(f"llvm.fma.v{count}f64", (), ir.FunctionType(vector, [vector] * 3))
+    vector = vector_of(FLOAT64, count)
+    fma = builder.module.declared(f"llvm.fma.v{count}f64", function_type(vector, (vector,) * 3))
 
     def row(first: Any) -> Any:
-        return builder.bitcast(builder.gep(rows.data, [first]), vector.as_pointer())
+        return builder.bitcast(builder.gep(rows.data, first), vector.as_pointer())
 
     def coefficient(m: int) -> Any:
-        number = builder.load(builder.gep(S.data, [builder.add(at, ir.Constant(INT64, m * apart))]))
-        one = builder.insert_element(ir.Constant(vector, ir.Undefined), number, ir.Constant(index, 0))
-        return builder.shuffle_vector(one, one, ir.Constant(ir.VectorType(index, count), [0] * count))
+        number = builder.load(builder.gep(S.data, builder.add(at, Constant(INT64, m * apart))))
+        return builder.spread(number, vector)
 
     points = builder.load(row(x), align=8)
-    value, slope = coefficient(order), ir.Constant(vector, [0.0] * count)
+    value, slope = coefficient(order), Constant(vector, [0.0] * count)
     for m in range(order - 1, -1, -1):  # Horner's scheme
         slope = builder.call(fma, [slope, points, value])
         value = builder.call(fma, [value, points, coefficient(m)])

@@ -15,12 +15,11 @@ from __future__ import annotations
 import ast
 from typing import Any
 
-from llvmlite import ir
-
 from stickslip.engine.expressions import FLOAT64, INT64, INTRINSICS, ON_INTEGERS, Expressions, all_statements, names_given
+from stickslip.engine.instructions import VOID, Builder, Constant, Function, array_of, function_type, integer
 
 FOLDED = {ast.Add: int.__add__, ast.Sub: int.__sub__, ast.Mult: int.__mul__}  # done at once with numbers that are known
-JOIN = {ast.And: "and_", ast.Or: "or_"}
+JOIN = {ast.And: "and", ast.Or: "or"}
 CASTS = {"as_bits": ("bitcast", "real", "whole"), "as_float": ("bitcast", "whole", "real"), "np.int64": ("fptosi", "real", "whole")}
 
 
@@ -66,12 +65,12 @@ class _Vector(Expressions):
         self.builder.store(self.known[name], self.place(at), align=8)
 
     def place(self, at: int) -> Any:
-        pointer = self.builder.gep(self.data, [ir.Constant(INT64, at + self.first)])
+        pointer = self.builder.gep(self.data, Constant(INT64, at + self.first))
         return self.builder.bitcast(pointer, self.real.as_pointer())
 
     def held_row(self, name: str, at: int) -> None:
         """A row of fields that the lanes hold, from the one that begins at `at`."""
-        self.rows[name] = self.builder.gep(self.data, [ir.Constant(INT64, at + self.first)]), self.every
+        self.rows[name] = self.builder.gep(self.data, Constant(INT64, at + self.first)), self.every
 
     def in_row(self, node: ast.Subscript) -> Any:
         """The place of one number of a row."""
@@ -79,7 +78,7 @@ class _Vector(Expressions):
         if row is None or index.type != INT64:
             self.refuse(node)
         begin, apart = row
-        pointer = self.builder.gep(begin, [self.whole_number(ast.Mult(), index, ir.Constant(INT64, apart))])
+        pointer = self.builder.gep(begin, self.whole_number(ast.Mult(), index, Constant(INT64, apart)))
         return self.builder.bitcast(pointer, self.real.as_pointer())
 
     # ---- statements ----
@@ -98,11 +97,10 @@ class _Vector(Expressions):
     def new_row(self, node: ast.Call) -> tuple[Any, int]:
         """Room for a row, in the memory of this call."""
         (length,) = (self.visit(a) for a in node.args)
-        if not isinstance(length, ir.Constant) or length.type != INT64:
+        if not isinstance(length, Constant) or length.type != INT64:
             self.refuse(node)
-        with self.builder.goto_entry_block():
-            room = self.builder.alloca(ir.ArrayType(self.real, length.constant))
-            return self.builder.bitcast(room, self.real.as_pointer()), 1
+        room = self.builder.first_alloca(array_of(self.real, length.constant))
+        return self.builder.bitcast(room, self.real.as_pointer()), 1
 
     # ---- expressions ----
     def visit_Name(self, node: ast.Name) -> Any:
@@ -120,9 +118,9 @@ class _Vector(Expressions):
 
     def whole_number(self, op: ast.operator, a: Any, b: Any) -> Any:
         """What is counted with: places in rows that are written out are known, so that such rows need no memory."""
-        if isinstance(a, ir.Constant) and isinstance(b, ir.Constant):
-            return ir.Constant(INT64, FOLDED[type(op)](a.constant, b.constant))
-        return getattr(self.builder, ON_INTEGERS[type(op)])(a, b)
+        if isinstance(a, Constant) and isinstance(b, Constant):
+            return Constant(INT64, FOLDED[type(op)](a.constant, b.constant))
+        return self.builder.on_integers(ON_INTEGERS[type(op)], a, b)
 
     def compared(self, node: ast.AST, sign: str, a: Any, b: Any) -> Any:
         return super().compared(node, sign, a, b) if {self.real, FLOAT64} & {a.type, b.type} else self.refuse(node)
@@ -132,7 +130,7 @@ class _Vector(Expressions):
         for value in others:
             if {joined.type, value.type} != {self.truth}:
                 self.refuse(node)
-            joined = getattr(self.builder, JOIN[type(node.op)])(joined, value)
+            joined = self.builder.on_integers(JOIN[type(node.op)], joined, value)
         return joined
 
     def visit_IfExp(self, node: ast.IfExp) -> Any:
@@ -145,12 +143,12 @@ class _Vector(Expressions):
         if name in INTRINSICS:
             return self.intrinsic(node, name, args)
         if name == "bits" and [a.type for a in args] == [self.truth]:
-            whole = self.builder.zext(self.builder.bitcast(args[0], ir.IntType(self.lanes)), INT64)
+            whole = self.builder.zext(self.builder.bitcast(args[0], integer(self.lanes)), INT64)
             return self.builder.bitcast(whole, FLOAT64)
         cast, given, wanted = CASTS.get(name, ("", "", ""))
         if not cast or [a.type for a in args] != [getattr(self, given)]:
             self.refuse(node)
-        return getattr(self.builder, cast)(args[0], getattr(self, wanted))
+        return self.builder.cast(cast, args[0], getattr(self, wanted))
 
     def as_real(self, node: ast.AST, x: Any) -> Any:
         return self.refuse(node) if x.type == self.truth else super().as_real(node, x)
@@ -164,7 +162,7 @@ def write(builder: Any, data: Any, lanes: int, group: int, width: int, numbers: 
     """
     given = list(numbers.values())
     function = _function(builder.module, [data.type, *(number.type for number in given)])
-    own = ir.IRBuilder(function.append_basic_block())
+    own = Builder(function.append_basic_block())
     changed = _Changes()
     vectors = [_Vector(own, function.args[0], first, width, lanes, changed) for first in range(0, group, width)]
     for vector in vectors:
@@ -178,15 +176,13 @@ def write(builder: Any, data: Any, lanes: int, group: int, width: int, numbers: 
             vector.keep(name, at)
     own.ret_void()
     for first in range(0, lanes, group):
-        builder.call(function, [builder.gep(data, [ir.Constant(INT64, first)]), *given])
+        builder.call(function, [builder.gep(data, Constant(INT64, first)), *given])
 
 
 def _function(module: Any, kinds: list[Any]) -> Any:
     """A function that is not inlined, whose vectors in memory never lie across two lines of the cache."""
-    function = ir.Function(module, ir.FunctionType(ir.VoidType(), kinds), module.get_unique_name("lines"))
-    function.linkage = "internal"
-    function.attributes.update(("noinline", "nounwind"))
-    function.attributes.alignstack = LINE_OF_CACHE
+    function = Function(module, function_type(VOID, tuple(kinds)), module.get_unique_name("lines"))
+    function.is_internal, function.attributes = True, ["noinline", "nounwind", f"alignstack({LINE_OF_CACHE})"]
     return function
 
 
@@ -227,18 +223,18 @@ def _condition(builder: Any, vectors: list[_Vector], test: ast.expr) -> Any:
     """Whether something holds for a lane, or, ``more(this, that)``, for some lanes and for no fewer than something else."""
     if isinstance(test, ast.Call) and ast.unparse(test.func) == "more" and len(test.args) == 2:
         these, those = (_count(builder, vectors, each) for each in test.args)
-        return builder.and_(builder.icmp_signed(">=", these, those), builder.icmp_signed(">", these, ir.Constant(INT64, 0)))
-    return builder.icmp_signed(">", _count(builder, vectors, test), ir.Constant(INT64, 0))
+        return builder.and_(builder.icmp_signed(">=", these, those), builder.icmp_signed(">", these, Constant(INT64, 0)))
+    return builder.icmp_signed(">", _count(builder, vectors, test), Constant(INT64, 0))
 
 
 def _count(builder: Any, vectors: list[_Vector], test: ast.expr) -> Any:
     """For how many lanes something holds."""
-    count = ir.Constant(INT64, 0)
+    count = Constant(INT64, 0)
     for vector in vectors:
         holds = vector.visit(test)
         if holds.type != vector.truth:
             vector.refuse(test)
-        bits = builder.zext(builder.bitcast(holds, ir.IntType(vector.lanes)), INT64)
+        bits = builder.zext(builder.bitcast(holds, integer(vector.lanes)), INT64)
         count = builder.add(count, builder.ctpop(bits))
     return count
 
@@ -246,11 +242,11 @@ def _count(builder: Any, vectors: list[_Vector], test: ast.expr) -> Any:
 def _rounds(builder: Any, vectors: list[_Vector], node: ast.For) -> None:
     """A loop that is written out, round by round, its number known in each; names go on from round to round."""
     name, ends = _counted(vectors[0], node, *ROUNDS)
-    if not all(isinstance(end, ir.Constant) for end in ends):
+    if not all(isinstance(end, Constant) for end in ends):
         vectors[0].refuse(node)
     for k in ROUNDS[ast.unparse(node.iter.func)](*(end.constant for end in ends)):  # type: ignore[attr-defined]
         for vector in vectors:
-            vector.known[name] = ir.Constant(INT64, k)
+            vector.known[name] = Constant(INT64, k)
         _write_all(builder, vectors, node.body)
 
 
@@ -288,7 +284,7 @@ def _loop(builder: Any, vectors: list[_Vector], node: ast.For) -> None:
     builder.cbranch(more if asking is None else builder.and_(more, _condition(builder, vectors, asking)), body, after)
     builder.position_at_end(body)
     _write_all(builder, vectors, node.body)
-    count.add_incoming(builder.add(count, ir.Constant(INT64, 1)), builder.block)
+    count.add_incoming(builder.add(count, Constant(INT64, 1)), builder.block)
     for vector, joined, outside in carried:
         for key, phi in joined.items():
             phi.add_incoming(vector.known[key], builder.block)
@@ -306,7 +302,7 @@ def _looped(vector: _Vector, node: ast.For) -> tuple[str, Any, Any, ast.expr | N
         and len(called.args) == 2
         and isinstance(node.target, ast.Name)
     ):
-        return node.target.id, ir.Constant(INT64, 0), vector.visit(called.args[1]), called.args[0]
+        return node.target.id, Constant(INT64, 0), vector.visit(called.args[1]), called.args[0]
     name, (first, end) = _counted(vector, node, "range")
     return name, first, end, None
 

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from llvmlite import ir
-
 from stickslip.engine import signatures
 from stickslip.engine.expressions import BOOL, FLOAT64, INT8, INT64
 from stickslip.engine.function_body import View
-from stickslip.engine.signatures import ArrayOf, Number, Several, Signature
+from stickslip.engine.instructions import VOID, Builder, Constant, Function, function_type, struct_of
+from stickslip.engine.signatures import InMemory, Number, Several, Signature
 
 _NUMBERS = {signatures.INT64: INT64, signatures.FLOAT64: FLOAT64, signatures.BOOLEAN: BOOL, signatures.INT8: INT8}
 
@@ -25,24 +24,24 @@ def number_of(kind: Any) -> Any:
     return _NUMBERS[kind]
 
 
-def parts_of(kind: Number | ArrayOf) -> list[Any]:
+def parts_of(kind: Number | InMemory) -> list[Any]:
     """An argument's types: of an array a pointer and its lengths."""
-    return [number_of(kind.number).as_pointer(), *[INT64] * kind.axes] if isinstance(kind, ArrayOf) else [number_of(kind)]
+    return [number_of(kind.number).as_pointer(), *[INT64] * kind.axes] if isinstance(kind, InMemory) else [number_of(kind)]
 
 
 def result_of(kind: Number | Several) -> Any:
     """The type of what a function returns."""
     if kind == signatures.VOID:
-        return ir.VoidType()
-    return ir.LiteralStructType(map(number_of, kind.numbers)) if isinstance(kind, Several) else number_of(kind)
+        return VOID
+    return struct_of(tuple(map(number_of, kind.numbers))) if isinstance(kind, Several) else number_of(kind)
 
 
 def entry_type(kind: Signature) -> Any:
     """The type of a function that is called from outside."""
     takes = [_outside(part) for each in kind.takes for part in parts_of(each)]
     if isinstance(kind.returns, Several):
-        return ir.FunctionType(ir.VoidType(), [*takes, INT64.as_pointer()])
-    return ir.FunctionType(_outside(result_of(kind.returns)), takes)
+        return function_type(VOID, (*takes, INT64.as_pointer()))
+    return function_type(_outside(result_of(kind.returns)), tuple(takes))
 
 
 def _outside(kind: Any) -> Any:
@@ -54,15 +53,15 @@ def called(builder: Any, kind: Signature, address: Any, args: list[Any]) -> Any:
     """A call of the function at an address, of numbers and views."""
     parts = [part for arg in args for part in ([arg.data, *arg.shape] if isinstance(arg, View) else [arg])]
     given = [builder.zext(part, INT64) if part.type == BOOL else part for part in parts]
-    result = builder.call(builder.inttoptr(address, entry_type(kind).as_pointer()), given)
+    result = builder.call_at(builder.inttoptr(address, entry_type(kind).as_pointer()), given)
     return builder.trunc(result, BOOL) if kind.returns == signatures.BOOLEAN else result
 
 
 def write_entry(module: Any, name: str, kind: Signature, call: Any) -> None:
     """A function that is called from outside; `call` writes, with a builder and a list of numbers and views, what it does."""
-    function = ir.Function(module, entry_type(kind), name)
-    function.attributes.add("nounwind")
-    builder = ir.IRBuilder(function.append_basic_block("entry"))
+    function = Function(module, entry_type(kind), name)
+    function.attributes.append("nounwind")
+    builder = Builder(function.append_basic_block("entry"))
     given = iter(function.args)
     result = call(builder, [_taken(builder, each, given) for each in kind.takes])
     if isinstance(kind.returns, Several):
@@ -70,8 +69,8 @@ def write_entry(module: Any, name: str, kind: Signature, call: Any) -> None:
         for k, number in enumerate(kind.returns.numbers):
             part = builder.extract_value(result, k)
             part = builder.zext(part, INT64) if part.type == BOOL else part
-            place = builder.gep(room, [ir.Constant(INT64, k)])
-            builder.store(part, builder.bitcast(place, _outside(number_of(number)).as_pointer()))
+            pointer = builder.gep(room, Constant(INT64, k))
+            builder.store(part, builder.bitcast(pointer, _outside(number_of(number)).as_pointer()))
     if isinstance(kind.returns, Several) or kind.returns == signatures.VOID:
         builder.ret_void()
     else:
@@ -80,6 +79,6 @@ def write_entry(module: Any, name: str, kind: Signature, call: Any) -> None:
 
 def _taken(builder: Any, kind: Any, given: Any) -> Any:
     """An argument inside: a number or a view."""
-    if isinstance(kind, ArrayOf):
+    if isinstance(kind, InMemory):
         return View(next(given), tuple(next(given) for _ in range(kind.axes)))
     return builder.trunc(next(given), BOOL) if kind == signatures.BOOLEAN else next(given)

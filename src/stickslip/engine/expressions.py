@@ -12,12 +12,12 @@ from collections import Counter, deque
 from collections.abc import Iterator
 from typing import Any, NoReturn
 
-from llvmlite import ir
+from stickslip.engine.instructions import DOUBLE, Constant, function_type, integer, vector_of
 
-INT64, FLOAT64, BOOL, INT8 = ir.IntType(64), ir.DoubleType(), ir.IntType(1), ir.IntType(8)
+INT64, FLOAT64, BOOL, INT8 = integer(64), DOUBLE, integer(1), integer(8)
 ON_FLOATS = {ast.Add: "fadd", ast.Sub: "fsub", ast.Mult: "fmul", ast.Div: "fdiv"}
 ON_INTEGERS = {
-    ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.LShift: "shl", ast.RShift: "ashr", ast.BitAnd: "and_", ast.BitOr: "or_",
+    ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.LShift: "shl", ast.RShift: "ashr", ast.BitAnd: "and", ast.BitOr: "or",
     ast.BitXor: "xor",
 }  # fmt: skip
 COMPARED = {ast.Gt: ">", ast.Lt: "<", ast.GtE: ">=", ast.LtE: "<=", ast.Eq: "==", ast.NotEq: "!="}
@@ -64,14 +64,14 @@ class Expressions(ast.NodeVisitor):
     def __init__(self, builder: Any, lanes: int) -> None:
         self.builder, self.lanes = builder, lanes
         kinds = (FLOAT64, INT64, BOOL)
-        self.real, self.whole, self.truth = kinds if lanes == 1 else (ir.VectorType(kind, lanes) for kind in kinds)
+        self.real, self.whole, self.truth = kinds if lanes == 1 else (vector_of(kind, lanes) for kind in kinds)
         self._constants, self._declared = dict[tuple[bool, str], Any](), dict[str, Any]()
 
     def constant(self, kind: Any, value: Any) -> Any:
         """A constant, of each lane; one object for each value, since an object writes its text once."""
         key = kind is self.truth, repr(value)
         if key not in self._constants:
-            self._constants[key] = ir.Constant(kind, value if self.lanes == 1 else [value] * self.lanes)
+            self._constants[key] = Constant(kind, value if self.lanes == 1 else [value] * self.lanes)
         return self._constants[key]
 
     def spread(self, x: Any) -> Any:
@@ -79,17 +79,15 @@ class Expressions(ast.NodeVisitor):
         if self.lanes == 1 or x.type not in (FLOAT64, INT64):
             return x
         kind = self.real if x.type == FLOAT64 else self.whole
-        if isinstance(x, ir.Constant):
+        if isinstance(x, Constant):
             return self.constant(kind, x.constant)
-        nothing, zero = ir.Constant(kind, ir.Undefined), ir.IntType(32)
-        first = self.builder.insert_element(nothing, x, ir.Constant(zero, 0))
-        return self.builder.shuffle_vector(first, nothing, ir.Constant(ir.VectorType(zero, self.lanes), [0] * self.lanes))
+        return self.builder.spread(x, kind)
 
     # ---- expressions ----
     def visit_Constant(self, node: ast.Constant) -> Any:
         """A number, or a truth value."""
         if type(node.value) is int:
-            return ir.Constant(INT64, node.value)
+            return Constant(INT64, node.value)
         kind = {bool: self.truth, float: self.real}.get(type(node.value))
         return self.refuse(node) if kind is None else self.constant(kind, node.value)
 
@@ -119,7 +117,8 @@ class Expressions(ast.NodeVisitor):
         if isinstance(op, ast.Div):
             a, b = self.as_real(node, a), self.as_real(node, b)
         names = ON_FLOATS if a.type in (self.real, FLOAT64) else ON_INTEGERS if a.type in (self.whole, INT64) else {}
-        return getattr(self.builder, names[type(op)])(a, b) if type(op) in names else self.refuse(node)
+        put = self.builder.on_floats if names is ON_FLOATS else self.builder.on_integers
+        return put(names[type(op)], a, b) if type(op) in names else self.refuse(node)
 
     def visit_Compare(self, node: ast.Compare) -> Any:
         """A comparison of two numbers."""
@@ -145,8 +144,8 @@ class Expressions(ast.NodeVisitor):
     def of_reals(self, node: ast.AST, name: str, args: list[Any]) -> Any:
         """A call of a function of LLVM."""
         if name not in self._declared:
-            kind = ir.FunctionType(self.real, [self.real] * len(args))
-            self._declared[name] = self.builder.module.declare_intrinsic(name, (), kind)
+            kind = function_type(self.real, (self.real,) * len(args))
+            self._declared[name] = self.builder.module.declared(name, kind)
         return self.builder.call(self._declared[name], [self.as_real(node, arg) for arg in args])
 
     # ---- types ----
@@ -167,8 +166,8 @@ class Expressions(ast.NodeVisitor):
 
     def as_real(self, node: ast.AST, x: Any) -> Any:
         """A number as a float."""
-        if isinstance(x, ir.Constant) and x.type == INT64:
-            return ir.Constant(FLOAT64, float(x.constant))
+        if isinstance(x, Constant) and x.type == INT64:
+            return Constant(FLOAT64, float(x.constant))
         return self.builder.sitofp(x, FLOAT64 if x.type == INT64 else self.real) if x.type in (INT64, self.whole) else x
 
     def refuse(self, node: ast.AST, what: str = "is not among what can be written as instructions") -> NoReturn:

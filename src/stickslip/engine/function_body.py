@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from functools import reduce
 from typing import Any, Protocol
 
-from llvmlite import ir
-
 from stickslip.engine.expressions import BOOL, FLOAT64, INT8, INT64, INTRINSICS, Expressions, settled_names
-from stickslip.engine.signatures import ArrayOf
+from stickslip.engine.instructions import UNDEFINED, VOID, Builder, Constant, struct_of
+from stickslip.engine.signatures import InMemory
 
 #: Of floats, beside `INTRINSICS`.
 OF_FLOATS = {"math.floor": "llvm.floor.f64", "math.log2": "llvm.log2.f64", "math.copysign": "llvm.copysign.f64", "math.expm1": "expm1"}
@@ -55,18 +54,18 @@ class _Body(Expressions):
         self.program, self.function, self.result = program, function, function.function_type.return_type
         self.entry = function.append_basic_block("slots")
         start = function.append_basic_block("start")
-        super().__init__(ir.IRBuilder(start), lanes=1)
+        super().__init__(Builder(start), lanes=1)
         # of each name its value, or the slots where it stands: one of a number, of an array one more for each length
         self.names, self.loops = dict[str, Any](), list[tuple[Any, Any]]()
         self.settled = settled_names(text)
         given = iter(function.args)
         for arg, kind in zip(text.args.args, signature.takes, strict=True):
             first = next(given)
-            self.give(arg.arg, View(first, tuple(next(given) for _ in range(kind.axes))) if isinstance(kind, ArrayOf) else first)
+            self.give(arg.arg, View(first, tuple(next(given) for _ in range(kind.axes))) if isinstance(kind, InMemory) else first)
         self.write(text.body)
         if not self.builder.block.is_terminated:
-            self.builder.ret_void() if self.result == ir.VoidType() else self.builder.unreachable()
-        ir.IRBuilder(self.entry).branch(start)
+            self.builder.ret_void() if self.result == VOID else self.builder.unreachable()
+        Builder(self.entry).branch(start)
 
     # ---- statements ----
     def write(self, statements: list[ast.stmt]) -> None:
@@ -91,7 +90,7 @@ class _Body(Expressions):
 
     def joined(self, values: list[Any]) -> Any:
         """Several values as one."""
-        whole = ir.Constant(ir.LiteralStructType([value.type for value in values]), ir.Undefined)
+        whole = Constant(struct_of(tuple(value.type for value in values)), UNDEFINED)
         return reduce(lambda filled, part: self.builder.insert_value(filled, part[1], part[0]), enumerate(values), whole)
 
     def visit_Assign(self, node: ast.Assign) -> None:
@@ -130,9 +129,9 @@ class _Body(Expressions):
         if node.orelse or not (over_range and isinstance(target, ast.Name)):
             self.refuse(node)
         ends = [self.visit(each) for each in called.args]
-        first, end = ends[:2] if len(ends) > 1 else (ir.Constant(INT64, 0), ends[0])
-        by = ends[2] if len(ends) > 2 else ir.Constant(INT64, 1)
-        if not isinstance(by, ir.Constant):
+        first, end = ends[:2] if len(ends) > 1 else (Constant(INT64, 0), ends[0])
+        by = ends[2] if len(ends) > 2 else Constant(INT64, 1)
+        if not isinstance(by, Constant):
             self.refuse(node)
 
         def one_round(now: Any) -> None:
@@ -179,7 +178,7 @@ class _Body(Expressions):
     # ---- names and numbers in memory ----
     def slot(self, kind: Any) -> Any:
         """Room for a number that lasts as long as the call."""
-        return ir.IRBuilder(self.entry).alloca(kind)
+        return Builder(self.entry).alloca(kind)
 
     def give(self, name: str, value: Any) -> None:
         """Give a name its value; one that never has another needs no slot for it."""
@@ -222,7 +221,7 @@ class _Body(Expressions):
                 self.refuse(node)
             first = self.visit(node.slice.lower)  # type: ignore[arg-type]
             (length,) = array.shape
-            return View(self.builder.gep(array.data, [first]), (self.builder.sub(length, first),))
+            return View(self.builder.gep(array.data, first), (self.builder.sub(length, first),))
         indices = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
         at = reduce(
             lambda offset, pair: self.builder.add(self.builder.mul(offset, pair[1]), self.visit(pair[0])),
@@ -230,7 +229,7 @@ class _Body(Expressions):
             self.visit(indices[0]),
         )
         rest = array.shape[len(indices) :]
-        return View(self.builder.gep(array.data, [reduce(self.builder.mul, rest, at)]), rest)
+        return View(self.builder.gep(array.data, reduce(self.builder.mul, rest, at)), rest)
 
     # ---- expressions ----
     def visit_Name(self, node: ast.Name) -> Any:
@@ -262,7 +261,7 @@ class _Body(Expressions):
         return self.builder.neg(self.as_kind(x, INT64))
 
     def operation(self, node: ast.AST, op: ast.operator, a: Any, b: Any) -> Any:
-        if isinstance(op, ast.Pow) and isinstance(b, ir.Constant) and b.constant == 0.5:
+        if isinstance(op, ast.Pow) and isinstance(b, Constant) and b.constant == 0.5:
             return self.intrinsic(node, "math.sqrt", [a])
         if FLOAT64 not in (a.type, b.type):
             a, b = self.as_kind(a, INT64), self.as_kind(b, INT64)
@@ -272,12 +271,12 @@ class _Body(Expressions):
 
     def floored(self, op: ast.operator, a: Any, b: Any) -> Any:
         """Quotient or remainder of whole numbers, towards minus infinity."""
-        rest = self.builder.srem(a, b)
-        zero = ir.Constant(INT64, 0)
+        rest = self.builder.on_integers("srem", a, b)
+        zero = Constant(INT64, 0)
         off = self.builder.and_(self.builder.icmp_signed("!=", rest, zero), self.builder.icmp_signed("<", self.builder.xor(rest, b), zero))
         if isinstance(op, ast.Mod):
             return self.builder.select(off, self.builder.add(rest, b), rest)
-        return self.builder.sub(self.builder.sdiv(a, b), self.builder.zext(off, INT64))
+        return self.builder.sub(self.builder.on_integers("sdiv", a, b), self.builder.zext(off, INT64))
 
     def visit_BoolOp(self, node: ast.BoolOp) -> Any:
         """What stands further right is looked at only if the rest does not decide."""
@@ -308,7 +307,7 @@ class _Body(Expressions):
         """The value that a block has from the one that comes to it, of several: pairs of a value and its block."""
         for _, block in incoming:
             if not block.is_terminated:
-                ir.IRBuilder(block).branch(after)
+                Builder(block).branch(after)
         self.builder.position_at_end(after)
         phi = self.builder.phi(incoming[0][0].type)
         for value, block in incoming:
@@ -318,7 +317,7 @@ class _Body(Expressions):
     def visit_Call(self, node: ast.Call) -> Any:
         name = ast.unparse(node.func)
         if name == "float":
-            return ir.Constant(FLOAT64, float(ast.literal_eval(node.args[0])))
+            return Constant(FLOAT64, float(ast.literal_eval(node.args[0])))
         args = [self.visit(each) for each in node.args]
         if name in self.program.outside:
             return self.program.outside[name](self.builder, args)
@@ -337,7 +336,7 @@ class _Body(Expressions):
         if name in ("as_bits", "as_float"):
             return self.builder.bitcast(args[0], INT64 if name == "as_bits" else FLOAT64)
         if name == "abs" and args[0].type == INT64:
-            negative = self.builder.icmp_signed("<", args[0], ir.Constant(INT64, 0))
+            negative = self.builder.icmp_signed("<", args[0], Constant(INT64, 0))
             return self.builder.select(negative, self.builder.neg(args[0]), args[0])
         if name in INTRINSICS:
             return self.intrinsic(node, name, args)
@@ -350,7 +349,7 @@ class _Body(Expressions):
             given += [arg.data, *arg.shape] if isinstance(arg, View) else [arg]
         given = [self.as_kind(*pair) for pair in zip(given, function.function_type.args, strict=True)]
         result = self.builder.call(function, given)
-        if not isinstance(result.type, ir.LiteralStructType):
+        if result.type.kind != "struct":
             return result
         return [self.builder.extract_value(result, k) for k in range(len(result.type.elements))]
 
@@ -360,8 +359,8 @@ class _Body(Expressions):
         kind, count = next((_HELD[ast.unparse(each.value)] for each in node.keywords), FLOAT64), reduce(self.builder.mul, shape)
         data = self.builder.alloca(kind, size=count)
         if zero:
-            nothing, one = ir.Constant(INT64, 0), ir.Constant(INT64, 1)
-            self.count(nothing, count, one, lambda at: self.builder.store(ir.Constant(kind, 0), self.builder.gep(data, [at])))
+            nothing, one = Constant(INT64, 0), Constant(INT64, 1)
+            self.count(nothing, count, one, lambda at: self.builder.store(Constant(kind, 0), self.builder.gep(data, at)))
         return View(data, tuple(shape))
 
     def extreme(self, node: ast.AST, sign: str, a: Any, b: Any) -> Any:
@@ -374,7 +373,7 @@ class _Body(Expressions):
         value = self.visit(node)
         if value.type == BOOL:
             return value
-        zero = ir.Constant(value.type, 0)
+        zero = Constant(value.type, 0)
         return self.builder.icmp_signed("!=", value, zero) if value.type == INT64 else self.builder.fcmp_unordered("!=", value, zero)
 
     def common(self, a: Any, b: Any) -> Any:

@@ -18,11 +18,10 @@ from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import Any
 
-from llvmlite import ir
-
 from stickslip.engine.entries import parts_of, result_of, write_entry
-from stickslip.engine.expressions import FLOAT64, INT64, all_statements
+from stickslip.engine.expressions import INT64, all_statements
 from stickslip.engine.function_body import View, write_body
+from stickslip.engine.instructions import Constant, Function, function_type
 from stickslip.engine.signatures import signature
 
 
@@ -71,11 +70,11 @@ class _Program:
         if name not in self.made:
             takes = [part for kind in self.signatures[name].takes for part in parts_of(kind)]
             result = result_of(self.signatures[name].returns)
-            made = ir.Function(self.module, ir.FunctionType(result, takes), self.module.get_unique_name(name))
-            made.linkage = "internal"
-            made.attributes.add("nounwind")
+            made = Function(self.module, function_type(result, tuple(takes)), self.module.get_unique_name(name))
+            made.is_internal, made.is_fused = True, name in self.fused
+            made.attributes.append("nounwind")
             if any(isinstance(node, (ast.For, ast.While)) for node in all_statements(self.texts[name].body)):
-                made.attributes.add("noinline")  # a call is nothing beside a loop, and every copy is to be compiled
+                made.attributes.append("noinline")  # a call is nothing beside a loop, and every copy is to be compiled
             self.made[name] = made
             self.waiting.append(name)
         return self.made[name]
@@ -85,18 +84,13 @@ class _Program:
         while self.waiting:
             name = self.waiting.pop()
             write_body(self, self.made[name], self.texts[name], self.signatures[name])
-            if name in self.fused:
-                _fuse(self.made[name])
 
     def row(self, name: str) -> View:
         """An array of constants."""
         numbers = self.constants[name]
-        kind = ir.ArrayType(FLOAT64, len(numbers))
         if name not in self.rows:
-            self.rows[name] = ir.GlobalVariable(self.module, kind, self.module.get_unique_name(name))
-            self.rows[name].linkage, self.rows[name].global_constant = "internal", True
-            self.rows[name].initializer = ir.Constant(kind, [ir.Constant(FLOAT64, number) for number in numbers])
-        return View(self.rows[name].bitcast(FLOAT64.as_pointer()), (ir.Constant(INT64, len(numbers)),))
+            self.rows[name] = self.module.row(name, numbers)
+        return View(self.rows[name], (Constant(INT64, len(numbers)),))
 
     def call(self, name: str, builder: Any, args: list[Any]) -> Any:
         """A call of a function of the text, or of what something else writes, with numbers and views."""
@@ -104,14 +98,6 @@ class _Program:
             return self.outside[name](builder, args)
         given = [part for arg in args for part in ([arg.data, *arg.shape] if isinstance(arg, View) else [arg])]
         return builder.call(self.function(name), given)
-
-
-def _fuse(function: Any) -> None:
-    """Let products and sums of a function be rounded once, where the processor can."""
-    for block in function.blocks:
-        for instruction in block.instructions:
-            if instruction.opname in ("fadd", "fsub", "fmul"):
-                instruction.flags = [*instruction.flags, "contract"]
 
 
 def write_functions(module: Any, entries: Mapping[str, str], text: str, outside: dict[str, Any]) -> None:

@@ -37,7 +37,7 @@ FUNCTIONS = {
 LOOKS = ("CLOCK_SIGNS", "FIRST_MODES", "GUARD_VALUES", "PASSED_REST", "RATES", "RESTING_CHANGES", "SAMPLE")
 
 #: What compiles the texts of kernels.
-_COMPILER = ("addresses", "emit", "entries", "expressions", "function_body", "functions", "machine_code", "signatures")
+_COMPILER = ("addresses", "emit", "entries", "expressions", "function_body", "functions", "instructions", "machine_code", "signatures")
 
 
 @dataclass(frozen=True)

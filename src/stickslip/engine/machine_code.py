@@ -15,7 +15,7 @@ from typing import Any
 from stickslip.basics.errors import InputError
 from stickslip.engine.kernel_text import KernelSource
 from stickslip.engine.shared_arrays import address_of
-from stickslip.engine.signatures import BOOLEAN, FLOAT64, INT8, INT64, VOID, ArrayOf, Several, Signature, signature
+from stickslip.engine.signatures import BOOLEAN, FLOAT64, INT8, INT64, VOID, InMemory, Several, Signature, signature
 
 _LEVEL = 3  # of optimisation
 #: Processors that STICKSLIP_CPU may name, and what they need.
@@ -129,13 +129,12 @@ def machine_code(source: KernelSource) -> bytes:
 
 def instructions(source: KernelSource) -> str:
     """The text of a kernel's instructions, as LLVM reads it."""
-    from llvmlite import ir
-
     from stickslip.engine.addresses import outside
     from stickslip.engine.emit import write
     from stickslip.engine.functions import write_functions
+    from stickslip.engine.instructions import Module
 
-    module, writers = ir.Module(), outside(source.calls, source.shared)
+    module, writers = Module(), outside(source.calls, source.shared)
     if source.step is not None:
         step = source.step
 
@@ -146,7 +145,7 @@ def instructions(source: KernelSource) -> str:
 
         writers["step"] = write_step
     write_functions(module, source.entries, source.text, writers)
-    return str(module)
+    return module.text()
 
 
 class Compiled:
@@ -197,7 +196,7 @@ class CompiledFunction:
         self._room = _room(kind.returns) if isinstance(kind.returns, Several) else None
         takes: list[Any] = []
         for each in kind.takes:
-            takes += [ctypes.c_void_p, *[ctypes.c_int64] * each.axes] if isinstance(each, ArrayOf) else [_KINDS[each]]
+            takes += [ctypes.c_void_p, *[ctypes.c_int64] * each.axes] if isinstance(each, InMemory) else [_KINDS[each]]
         if self._room is not None:
             self._call = ctypes.CFUNCTYPE(None, *takes, ctypes.c_void_p)(address)
         else:
@@ -207,7 +206,7 @@ class CompiledFunction:
         """Its result."""
         given: list[Any] = []
         for kind, arg in zip(self._takes, args, strict=True):
-            if isinstance(kind, ArrayOf):
+            if isinstance(kind, InMemory):
                 if arg.dtype != _ELEMENTS[kind.number] or arg.ndim != kind.axes or not arg.flags.c_contiguous:
                     raise TypeError(
                         f"an array of {arg.dtype} with {arg.ndim} axes is given for one of {kind.number.name} in a row with {kind.axes}"

@@ -13,14 +13,14 @@ class Number:
 
     name: str
 
-    def __call__(self, *takes: Number | ArrayOf) -> Signature:
+    def __call__(self, *takes: Number | InMemory) -> Signature:
         """Functions that return such a number and take these."""
         return Signature(self, takes)
 
 
 @dataclass(frozen=True)
-class ArrayOf:
-    """Arrays of numbers that stand in a row in memory, the last index first."""
+class InMemory:
+    """Arrays: numbers that stand in a row in memory, those of the last axis side by side."""
 
     number: Number
     axes: int
@@ -32,7 +32,7 @@ class Several:
 
     numbers: tuple[Number, ...]
 
-    def __call__(self, *takes: Number | ArrayOf) -> Signature:
+    def __call__(self, *takes: Number | InMemory) -> Signature:
         """Functions that return such numbers and take these."""
         return Signature(self, takes)
 
@@ -44,11 +44,11 @@ class Signature:
     Examples
     --------
     >>> signature("float64(f1, int64)").takes
-    (ArrayOf(number=Number(name='float64'), axes=1), Number(name='int64'))
+    (InMemory(number=Number(name='float64'), axes=1), Number(name='int64'))
     """
 
     returns: Number | Several
-    takes: tuple[Number | ArrayOf, ...]
+    takes: tuple[Number | InMemory, ...]
 
 
 VOID, INT64, FLOAT64, BOOLEAN, INT8 = map(Number, ("void", "int64", "float64", "boolean", "int8"))
@@ -65,7 +65,7 @@ def _uniform(number: Number, count: int) -> Several:
 #: Types, by the names that they have in a text.
 TYPES = {number.name: number for number in (VOID, INT64, FLOAT64, BOOLEAN, INT8)}
 TYPES |= {"Tuple": _tuple, "UniTuple": _uniform}  # type: ignore[dict-item]
-TYPES |= {f"{letter}{axes}": ArrayOf(number, axes) for letter, number in (("f", FLOAT64), ("i", INT64), ("b", INT8)) for axes in (1, 2, 3)}  # type: ignore[misc]
+TYPES |= {f"{letter}{axes}": InMemory(number, axes) for letter, number in (("f", FLOAT64), ("i", INT64), ("b", INT8)) for axes in (1, 2, 3)}  # type: ignore[misc]
 
 
 @lru_cache(1024)
@@ -76,7 +76,7 @@ def signature(text: str) -> Signature:
 
 
 @lru_cache(64)
-def array_type(text: str) -> ArrayOf:
+def array_type(text: str) -> InMemory:
     """The type of an array, such as ``f2``."""
-    declared: ArrayOf = eval(text, {"__builtins__": {}}, dict(TYPES))
+    declared: InMemory = eval(text, {"__builtins__": {}}, dict(TYPES))
     return declared
