@@ -21,7 +21,7 @@ from stickslip.inverse.identification.structure import Left, Structure, structur
 
 _LARGE, _SURE = 1.15, 5.0  # times the given noise, and standard errors of its square, beyond which it explains no residuals
 _OF_SECOND_ORDER, _LITTLE = 4 / 3, 0.3  # whole error over what halves of the steps show of it; standard errors that do not matter
-_LEAST_SEEN = 0.2  # of the directions of a structure that numbers leave to be seen
+_LEAST_SHOWN = 0.2  # of the directions of a structure that numbers leave to be shown
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,8 +109,8 @@ def _spread_out(part: Any, rows: Any, count: int) -> Any:
 def _column(one: Structure, rows: Any, count: int, visible: Callable[[Any], Any]) -> Any:
     """Directions of a structure with the size that it has there, as far as the parameters leave it visible."""
     whole = _spread_out(one.basis, rows, count)
-    seen = float(np.mean(np.sum(visible(whole) ** 2, axis=0)))
-    return whole * np.sqrt(one.power / max(seen, _LEAST_SEEN))
+    shown = float(np.mean(np.sum(visible(whole) ** 2, axis=0)))
+    return whole * np.sqrt(one.power / max(shown, _LEAST_SHOWN))
 
 
 def _too_large(target: Any, rest: Array, sigma: Array) -> float:
