@@ -1,5 +1,7 @@
 """What a figure must not suggest: hysteresis where there are mirror twins, polygons, prefixes of angles, a rest at zero on a belt."""
 
+from dataclasses import replace
+
 import matplotlib
 
 matplotlib.use("Agg")
@@ -49,7 +51,7 @@ def test_a_mirror_twin_is_told_apart_from_hysteresis(down, is_twin):
 
 
 def test_a_branch_is_a_curve_through_its_orbits():
-    branch = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=7e-4, stop=8e-4, tilt_deg=1.7, law="coulomb")
+    branch = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=6e-4, stop=8e-4, tilt_deg=1.7, law="coulomb")
     ax = ss.plot.continuation(branch, "mean_velocity", special=False)
     curve = max((line for line in ax.lines if line.get_marker() == "None"), key=lambda line: len(line.get_xdata()))
     x, y = curve.get_data()
@@ -58,6 +60,11 @@ def test_a_branch_is_a_curve_through_its_orbits():
     factor = y[0] / branch.points.mean_velocity.values[0]
     seen = np.interp(branch.values * 1e6, x[at], y[at])
     assert seen == pytest.approx(factor * branch.points.mean_velocity.values, rel=1e-6)
+    (border,) = [s for s in branch.special if s.kind == "type-border"]
+    jumped = replace(branch, special=(replace(border, accuracy=1e-6),))  # known no better than a step: another motion is beyond
+    curves = [line for line in ss.plot.continuation(jumped, "mean_velocity", special=False).lines if line.get_marker() == "None"]
+    parts = sorted((line.get_xdata() for line in curves if len(line.get_xdata())), key=lambda x: x.min())
+    assert len(parts) == 2 and parts[0].max() < border.value * 1e6 < parts[1].min()
     fine = [ss.mean_velocity(ss.solve(branch.orbits[0].model.replace({"drive.amplitude": a}), 200)) for a in (7.13e-4, 7.77e-4)]
     assert np.interp([713.0, 777.0], x[at], y[at]) == pytest.approx(factor * np.array(fine), rel=1e-3)  # and between them
 

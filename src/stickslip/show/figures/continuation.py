@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -146,6 +147,7 @@ _OF_CYCLES = OBSERVABLES | {
     "v": "velocity at the turning point $v$", "x": "turning point of the spring $x$", "z": "bristle at the turning point $z$",
     "amplitude": "amplitude of the cycle", "duration": "duration of the cycle",
 }  # fmt: skip
+_LOOSE = 1e-6  # of the range of a branch: a border of types that is known no better is a jump
 _BETWEEN = 12  # points of a drawn curve from one orbit of a branch to the next
 
 
@@ -174,22 +176,35 @@ def _strobed(orbit: Any, observable: str) -> Any:
 
 
 def _line(ax: Axes, branch: Any, observable: str, values: Array, right: float, up: float, colour: str, name: str) -> None:
-    x, values, stable = _with_changes(branch, observable, values / up)
+    x, values, stable, jumps = _with_changes(branch, observable, values / up)
     x, values = x * right, values * up
     for column in values.T:
         for state, style in ((True, _STABLE), (False, _UNSTABLE)):
             keep = stable == state
-            keep = keep | np.roll(keep, 1) & (np.arange(len(keep)) > 0)  # the parts meet where the stability changes
-            for part in _runs_of(keep):
+            keep = keep | np.roll(keep, 1) & (np.arange(len(keep)) > 0) & ~jumps  # the parts meet where the stability changes
+            for part in _runs_of(keep, jumps):
                 ax.plot(*_curve(x[part], column[part]), color=colour, zorder=4, **style)
                 ax.plot(x[part], column[part], "o", color=colour, markersize=2.6, markeredgewidth=0, zorder=4)
     ax.plot([], [], color=colour, label=name)
 
 
-def _runs_of(keep: Array) -> list[slice]:
-    """The stretches of a mask that are True."""
+def _runs_of(keep: Array, jumps: Array) -> list[slice]:
+    """The stretches of a mask that are True, cut before each place that a branch reaches by a jump."""
     ends = np.flatnonzero(np.diff(np.concatenate([[False], keep, [False]]).astype(int)))
-    return [slice(a, b) for a, b in zip(ends[::2], ends[1::2], strict=True)]
+    cut = [[a, *(a + 1 + np.flatnonzero(jumps[a + 1 : b])), b] for a, b in zip(ends[::2], ends[1::2], strict=True)]
+    return [slice(a, b) for places in cut for a, b in pairwise(places)]
+
+
+def _jumps(branch: Any) -> Array:
+    """Of each orbit, whether the branch jumps to it: a border of types lies before it that is known no better than the step there.
+
+    Under static friction above the kinetic one motions end where a body that turned now sticks, and the branch goes on with another one.
+    """
+    x, span = branch.values, float(np.ptp(branch.values)) or 1.0
+    loose = [s.value for s in branch.special if s.kind == "type-border" and s.accuracy > _LOOSE * span]
+    patterns = [str(orbit.pattern) for orbit in branch.orbits]
+    between = [any(min(a, b) - _LOOSE * span <= value <= max(a, b) + _LOOSE * span for value in loose) for a, b in pairwise(x)]
+    return np.array([False, *(near and a != b for near, (a, b) in zip(between, pairwise(patterns), strict=True))])
 
 
 def _curve(x: Array, y: Array) -> tuple[Array, Array]:
@@ -207,9 +222,9 @@ def _curve(x: Array, y: Array) -> tuple[Array, Array]:
     return PchipInterpolator(along, x[keep])(dense), PchipInterpolator(along, y[keep])(dense)
 
 
-def _with_changes(branch: Any, observable: str, values: Array) -> tuple[Any, Any, Any]:
-    """Parameter, observable and stability along a branch, including the special points at which the stability changes."""
-    x, stable = branch.values, np.array([o.stable for o in branch.orbits])
+def _with_changes(branch: Any, observable: str, values: Array) -> tuple[Any, Any, Any, Any]:
+    """Parameter, observable, stability and jumps along a branch, including the special points at which the stability changes."""
+    x, stable, jumps = branch.values, np.array([o.stable for o in branch.orbits]), _jumps(branch)
     places, extra = [], []
     for i in np.flatnonzero(stable[1:] != stable[:-1]):
         low, high = sorted(x[i : i + 2])
@@ -217,10 +232,10 @@ def _with_changes(branch: Any, observable: str, values: Array) -> tuple[Any, Any
         places += [i + 1] * len(here[:1])
         extra += here[:1]
     if not extra:
-        return x, values, stable
+        return x, values, stable, jumps
     inserted = np.array([np.ravel(_at(s.orbit, observable))[: values.shape[1]] for s in extra])
     x = np.insert(x, places, [s.value for s in extra])
-    return x, np.insert(values, places, inserted, axis=0), np.insert(stable, places, stable[places])
+    return x, np.insert(values, places, inserted, axis=0), np.insert(stable, places, stable[places]), np.insert(jumps, places, False)
 
 
 def _at(orbit: Any, observable: str) -> Any:
