@@ -77,7 +77,7 @@ def test_a_search_that_ends_before_a_minimum_says_so_and_its_intervals_hold_the_
     assert any("ended before a minimum" in text for text in (*faults(said), *said.warnings))
 
 
-def test_samples_too_far_apart_for_a_law_near_rest_are_said():
+def test_a_law_near_rest_is_followed_by_shorter_steps_than_those_between_samples():
     """At 50 Hz the velocity changes by more than v_s between two samples at a reversal: the truth is made by forty steps between them."""
     t, fine = np.arange(0.0, 6.0, 0.02), np.arange(-1.0, 6.0, 0.0005)
     x, v = 3e-3 * np.sin(2.3 * fine), 6.9e-3 * np.cos(2.3 * fine)
@@ -88,5 +88,5 @@ def test_samples_too_far_apart_for_a_law_near_rest_are_said():
                        roles={"x": "position", "F": "force"})  # fmt: skip
     free, fixed = {"mu_plus": (0.05, 0.6), "v_s": (1e-4, 1e-2, "log")}, dict(f_plus=0.3, f_minus=0.3, sigma0=4e5, sigma1=0.0, sigma2=100.0)
     fit = ss.identify(rec, ss.LuGre, free=free, tied={"mu_minus": "mu_plus"}, load=LOAD, starts=2, sensor={}, **fixed)
-    assert fit.misfit.coarse > 0.5 and any("not resolved" in said for said in faults(fit))
-    assert any("sample faster" in said for said in fit.warnings)
+    assert faults(fit) == [] and len(fit.problem.targets[0].t) > len(t) and fit.errors["v_s"] < 1e-4
+    assert all(abs(fit.values[name] - true) < 2 * fit.errors[name] for name, true in {"mu_plus": 0.2, "v_s": 3e-4}.items())

@@ -197,8 +197,8 @@ class CommandedProblem(OverParameters):
         return replace(self, values=y)
 
     def rough(self) -> CommandedProblem:
-        """The same fit."""
-        return self
+        """The same fit, with a count of its own; it shares what is remembered."""
+        return replace(self, solves=0)
 
     def guesses(self) -> list[Any]:
         """The place of the numbers that the machine has, where it has them all between the bounds."""

@@ -174,6 +174,10 @@ class MeasuredProblem:
         own = iter(point[self.first :])
         return np.array([*point[: self.first], *(next(own) if n.searched else n.neutral for n in self.numbers)])
 
+    def over(self, model: Any) -> MeasuredProblem:
+        """The same fit by a model whose steps are others."""
+        return self._like(model)
+
     def trusting(self, trust: float, sizes: Any = None) -> MeasuredProblem:
         """The same fit where the records' noise is known better, and that of each beside the others."""
         return self._like(self.model, trust=trust, sizes=self.sizes if sizes is None else sizes)
@@ -343,9 +347,9 @@ class MeasuredProblem:
     def _sensor_slopes(self, h: tuple[Any, Any], point: Array, readings: list[dict[str, Any]]) -> Any:
         """Derivatives of the values by the numbers of the sensors: array (values, numbers). What a contact at rest bears, it bears."""
         slopes = self._in_proportion(h, readings, [n for n in self.numbers if not n.in_the_model])
-        for k, number in enumerate(self.numbers):
-            if number.in_the_model:
-                slopes = np.insert(slopes, k, self._model_slope(point, self.first + k, number), axis=1)
+        inside = [k for k, number in enumerate(self.numbers) if number.in_the_model]
+        for k, column in zip(inside, self._model_slopes(point, inside), strict=True):
+            slopes = np.insert(slopes, k, column, axis=1)
         return slopes
 
     def _in_proportion(self, h: tuple[Any, Any], readings: list[dict[str, Any]], numbers: list[SensorNumber]) -> Any:
@@ -356,13 +360,17 @@ class MeasuredProblem:
         columns = _both(lambda each: np.stack([of_records(number, each) for number in numbers], axis=1), parts)
         return self._at_the_nearer(columns, self._shown(h, readings))
 
-    def _model_slope(self, point: Array, k: int, number: SensorNumber) -> Any:
-        """Derivative of the values by a preload, a start or a harmonic of the drive, which act on the model itself."""
-        step = _NUDGE * (float(np.mean([self.targets[i].load.mean() for i in number.records])) if number.what == "preload" else 1.0)
-        both = np.stack([point, point])
-        both[:, k] += (step, -step)
-        up, down = (self._met((least, most)) for least, most in zip(*(each.T for each in self.ends(both)), strict=True))
-        return (up - down) / (2 * step)
+    def _model_slopes(self, point: Array, which: list[int]) -> list[Any]:
+        """Derivatives of the values by preloads, starts or harmonics of the drive, which act on the model itself: in one batch."""
+        if not which:
+            return []
+        steps = np.zeros((len(which), len(point)))
+        for row, k in zip(steps, which, strict=True):
+            number = self.numbers[k]
+            loads = [self.targets[i].load.mean() for i in number.records] if number.what == "preload" else [1.0]
+            row[self.first + k] = _NUDGE * float(np.mean(loads))
+        met = self._met(self.ends(np.concatenate([point + steps, point - steps])))
+        return [(met[:, k] - met[:, k + len(which)]) / (2 * step) for k, step in enumerate(steps.max(axis=1))]
 
     # ---- search ----
     def aligned(self, point: Array) -> Any:

@@ -7,7 +7,6 @@ size along every direction in which structure was found. What the numbers take u
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -15,12 +14,12 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.contracts import Array
-from stickslip.inverse.identification.covariance import determined_spread, information_of, noise_scale, still_promised
+from stickslip.inverse.identification.coarse_steps import coarse_steps
+from stickslip.inverse.identification.covariance import information_of, noise_scale, still_promised
 from stickslip.inverse.identification.rounding import rounding_columns
 from stickslip.inverse.identification.structure import Left, Structure, structures
 
 _LARGE, _SURE = 1.15, 5.0  # times the given noise, and standard errors of its square, beyond which it explains no residuals
-_OF_SECOND_ORDER, _LITTLE = 4 / 3, 0.3  # whole error over what halves of the steps show of it; standard errors that do not matter
 _LEAST_SHOWN = 0.2  # of the directions of a structure that numbers leave to be shown
 
 
@@ -68,7 +67,7 @@ def misfit_of(problem: Any, minimum: Any, changes: Any) -> Misfit:
     said, columns, factor = [], [np.zeros((count, 0))], _off_what_is_known(problem, minimum.point)
     promised = still_promised(problem, minimum)
     columns += [residuals[:, None]] if promised else []
-    steps, coarse = _coarse_steps(problem, minimum, inverse)
+    steps, coarse = coarse_steps(problem, minimum)
     columns += [steps] if coarse else []
     for target, rows, rest, which, here, noise, own in zip(problem.targets, *parts, inputs, rounded, strict=True):
         left = Left(here, rest, which, noise, visible(_spread_out(own, rows, count))[rows])
@@ -77,21 +76,6 @@ def misfit_of(problem: Any, minimum: Any, changes: Any) -> Misfit:
         columns += [_column(one, rows, count, visible) for one in tested]
         factor = max(factor, _too_large(target, rest[which], problem.sigma[rows][which]))
     return Misfit(tuple(said), np.concatenate(columns, axis=1), factor, promised, coarse)
-
-
-def _coarse_steps(problem: Any, minimum: Any, inverse: Any) -> tuple[Any, float]:
-    """What steps of zero length would change, by what halves of the long ones do, and by how many standard errors that moves numbers."""
-    finer, free = problem.model.finer(), len(problem.parameters.free)
-    if finer is problem.model or minimum.stopped:
-        return None, 0.0
-    here, there = problem.predicted(minimum.point), dataclasses.replace(problem, model=finer, _memory={}).predicted(minimum.point)
-    if here is None or there is None:
-        return None, 0.0
-    change = _OF_SECOND_ORDER * (there - here) / problem.sigma * problem.known
-    moved, scale = (inverse @ change)[:free], noise_scale(problem, minimum)
-    errors = np.sqrt(np.diag(determined_spread(problem, minimum.jacobian, minimum.residuals[: len(problem.y)], scale)))[:free]
-    off = float(np.max(abs(moved[errors > 0]) / errors[errors > 0], initial=0.0))
-    return change[:, None], off if off > _LITTLE else 0.0
 
 
 def _beside_numbers(jacobian: Any, inverse: Any) -> Callable[[Any], Any]:

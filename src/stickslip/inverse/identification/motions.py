@@ -83,6 +83,7 @@ class PrescribedMotion(Compared):
     smear: float = 0.0  # way over which it closes, in a search
     timeless: bool = False  # a table of constant speeds: v is that of each row
     rigid: bool = False  # whether the force jumps where the motion turns, because the law has no inner states
+    holes: Any = None  # before which samples the record has a gap, where steps between them were halved; else their lengths say that
     lag: float = 0.0  # delay of the force about which such jumps, and the values at an end that it brings from elsewhere, are left open [s]
 
     def __post_init__(self) -> None:
@@ -137,7 +138,7 @@ class PrescribedMotion(Compared):
     @property
     def step(self) -> float:
         """Time between samples [s]."""
-        return float(np.median(np.diff(self.t)))
+        return float(np.median(np.diff(self.time)))
 
     @property
     def longest_delay(self) -> float:
@@ -173,11 +174,13 @@ class PrescribedMotion(Compared):
 
     def delayed(self, h: Array, delay: float) -> Any:
         """Values a little later: of a force that jumps where the motion turns those within the strokes, and what is open between them."""
-        return self._strokes.delayed(h, delay) if self.rigid else strokes.later(self.time, h, delay)
+        return self._strokes.delayed(h, delay) if self.rigid else strokes.later(self.time, h, delay, smooth=not self.in_play)
 
     def delay_slope(self, h: Array, delay: float) -> Any:
         """The change of delayed values with time, of a force that jumps within strokes [1/s]."""
-        return self._strokes.slope(h, delay) if self.rigid else super().delay_slope(h, delay)
+        if self.rigid:
+            return self._strokes.slope(h, delay)
+        return super().delay_slope(h, delay) if self.in_play else strokes.later_slope(self.time, h, delay)
 
     @property
     def acceleration(self) -> Any:
@@ -190,6 +193,8 @@ class PrescribedMotion(Compared):
         """Before which samples the record has a gap, longer than three of the steps around it: array (n,) of bool."""
         from scipy.ndimage import median_filter
 
+        if self.holes is not None:
+            return self.holes
         steps = np.diff(self.t)
         return np.concatenate([[False], steps > _GAP * median_filter(steps, _AROUND, mode="nearest")])
 
@@ -252,6 +257,7 @@ class PrescribedMotion(Compared):
             "force": np.insert(self.force, k, np.nan),
             "weights": np.insert(self.weights, k, 0.0),
             "before": self.before + int(np.sum(k <= self.before)),
+            "holes": np.insert(self.gaps, k, False),
         }
         return dataclasses.replace(self, **made)
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.phrases import listed
+from stickslip.inverse.identification.coarse_steps import with_short_steps
 from stickslip.inverse.identification.covariance import information_of, neighbours, noise_scale, noise_sizes, still_promised, with_noise_of
 from stickslip.inverse.identification.delays import delayed_best
 from stickslip.inverse.identification.least_squares import MeasuredProblem
@@ -34,7 +35,7 @@ def finished(problem: MeasuredProblem, rough: SearchEnd) -> tuple[MeasuredProble
         if best.stopped or with_noise is problem:
             break
         problem, best = with_noise, polished(with_noise, best.point)
-    return problem, _gone_on(problem, best)
+    return with_short_steps(problem, _gone_on(problem, best))
 
 
 def _gone_on(problem: MeasuredProblem, best: SearchEnd) -> SearchEnd:

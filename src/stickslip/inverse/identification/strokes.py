@@ -14,6 +14,7 @@ from stickslip.basics.contracts import Array
 
 _OPEN = 1.0  # samples on either side of a reversal that are open, besides those between which it is
 _ROUNDING = 1e-6  # of a sample
+_GAP = 3.0  # times the usual time between values, over which nothing curved is taken between them
 
 
 def runs(sides: Array) -> list[tuple[int, int]]:
@@ -36,17 +37,43 @@ def turning(sides: Array) -> Any:
     return which
 
 
-def later(t: Array, h: Array, delay: float) -> Any:
-    """Values a little later; between them, and before the first and after the last one, they change evenly.
+def later(t: Array, h: Array, delay: float, smooth: bool = False) -> Any:
+    """Values a little later; between them, and before the first and after the last one, they change evenly, or as a smooth force does.
 
     Examples
     --------
     >>> later(np.arange(4.0), np.array([0.0, 1.0, 2.0, 2.0]), 0.5).tolist()
     [-0.5, 0.5, 1.5, 2.0]
     """
-    at = t - delay
+    left, part = _between(t, t - delay)
+    line = h[left] + (h[left + 1] - h[left]) * part
+    curved = _curved(t, left, part) if smooth else np.zeros(len(t), bool)
+    return np.where(curved, _spline(t, h)(t - delay), line) if curved.any() else line
+
+
+def later_slope(t: Array, h: Array, delay: float) -> Any:
+    """The change of smooth values with time."""
+    left, part = _between(t, t - delay)
+    even = (h[left + 1] - h[left]) / (t[left + 1] - t[left])
+    curved = _curved(t, left, part)
+    return np.where(curved, _spline(t, h)(t - delay, 1), even) if curved.any() else even
+
+
+def _between(t: Array, at: Array) -> tuple[Any, Any]:
+    """The value before each instant, and how far that is on the way to the next one."""
     left = np.clip(np.searchsorted(t, at, side="right") - 1, 0, len(t) - 2)
-    return h[left] + (h[left + 1] - h[left]) * (at - t[left]) / (t[left + 1] - t[left])
+    return left, (at - t[left]) / (t[left + 1] - t[left])
+
+
+def _curved(t: Array, left: Any, part: Any) -> Any:
+    """Where values follow a curve: not beyond the ends, and not over gaps."""
+    return (part >= 0) & (part <= 1) & (t[left + 1] - t[left] < _GAP * np.median(np.diff(t))) & (len(t) > 3)
+
+
+def _spline(t: Array, h: Array) -> Any:
+    from scipy.interpolate import CubicSpline
+
+    return CubicSpline(t, h)
 
 
 class Strokes:
