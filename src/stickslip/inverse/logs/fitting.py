@@ -121,7 +121,8 @@ def fit_plan(
         tasks[best], fits[best] = replace(search, records=[*records]).tried(kind, best)
     proposals = [*plan.channels, *of_numbers(given, kind.assumed(records, given))]
     able = [name for name in plan.able if name != kind.name]
-    proposals.append(Proposal("machine", f"{kind.name}: {kind.words}", why, f"--machine {' or '.join(able) or 'NAME'}"))
+    what = kind.words.partition(":")[0]
+    proposals.append(Proposal("machine", f"{kind.name}: {what}", why, f"--machine {' or '.join(able) or 'NAME'}"))
     part = f", compared on one sample of {step}" if step > 1 else ""
     proposals.append(Proposal("law", best, "typed" if law else f"of {', '.join(fits)}{part}", "--law NAME"))
     sides = "a coefficient for each direction" if asymmetric else "one coefficient for both directions"
