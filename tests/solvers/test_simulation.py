@@ -19,7 +19,7 @@ from stickslip.models.machine_adapter import machine_of
 from stickslip.models.mechanics import parts_of
 from stickslip.models.pushed import PushedBody, PushedParts, force_names, pushed
 from stickslip.models.switching_flow import is_flow
-from stickslip.solvers.flow_engine import follow_flow
+from stickslip.solvers.flow_engine import FlowStart, follow_flow
 from stickslip.solvers.simulation import Simulation
 
 #: Steps of laws without inner states are exact to rounding; those of others to this tolerance, which errors exceed by the growth of a
@@ -165,7 +165,8 @@ def test_after_a_jump_of_an_input_it_goes_on_as_solve_does_from_there(name):
     begun, worst = sim.t, 0.0
     if is_flow(machine):
         state = sim.state
-        leg = follow_flow(after, np.array([state[each] for each in states_of(machine)]), state["mode"], end, begin=sim.t, growth=False)
+        there = FlowStart(np.array([state[each] for each in states_of(machine)]), state["mode"], sim.t)
+        leg = follow_flow(after, there, end, growth=False)
     else:
         run = run_of(after, sim.start)
     for instant in cuts(end, 12, 4):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -166,12 +166,21 @@ def flow_row(
     return rows
 
 
+class FlowStart(NamedTuple):
+    """Where a flow begins: state, mode and time.
+
+    Of a flow with contacts the mode may also be one of its fields, in which the contacts do what the state says.
+    """
+
+    y: Array
+    mode: Any
+    t: float = 0.0
+
+
 def follow_flow(
     flow: SwitchingFlow,
-    y: Array,
-    mode: Any,
+    start: FlowStart,
     duration: float,
-    begin: float = 0.0,
     most: int | None = None,
     growth: bool = True,
     partial: bool = False,
@@ -183,12 +192,9 @@ def follow_flow(
     ----------
     flow : SwitchingFlow
         Of single numbers.
-    y : array
-        Where it begins.
-    mode
-        In which mode; of a flow with contacts also a mode of its fields, in which the contacts do what the state says.
-    duration, begin : float
-        How long, and the time at the start.
+    start : FlowStart
+    duration : float
+        How long.
     most : int, optional
         It ends after so many switches.
     growth : bool
@@ -203,15 +209,16 @@ def follow_flow(
     SolveError
         Where it cannot be followed, and why.
     """
-    n, labels = len(y), list(flow.modes)
+    (y, mode, begin), labels = start, list(flow.modes)
+    n = len(y)
     equations, kernel, names = flow_kernel(traced or traced_flow(flow, n), record=True)
     row = flow_row(flow, equations, names, y[None, :], duration, begin, most)
     results = []
     moved = np.concatenate([np.ones(n - len(flow.inner)), ~flow.memories])  # what a law remembers is whole: nothing moves it a little
     for direction in np.diag(moved) if growth else np.zeros((1, n)):
-        start = np.concatenate([[0.0], y, direction, [0.0, number_of_mode(flow, mode)]])
+        first = np.concatenate([[0.0], y, direction, [0.0, number_of_mode(flow, mode)]])
         job = lanes.Job(1, 0, False, TOLERANCE, 0.75, budget_of_flow(flow, kept=True))
-        results.append(lanes.run(kernel, row, start[None, :], job, keep_pieces=True, partial=partial))
+        results.append(lanes.run(kernel, row, first[None, :], job, keep_pieces=True, partial=partial))
         _check(flow, results[-1], begin, n, most)
     whole, early = results[0], int(results[0].status[0]) in (Status.SWITCHES, Status.NOT_COMPUTED)
     steps = _steps(whole)

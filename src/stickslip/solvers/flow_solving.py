@@ -16,7 +16,7 @@ from stickslip.results.flow_drift import repeats_after
 from stickslip.results.flow_pieces import FlowPieces, extremes, polynomials
 from stickslip.results.flow_run import FlowRun
 from stickslip.results.summary import Summary
-from stickslip.solvers.flow_engine import FlowSolution, follow_flow, steps_of_flow
+from stickslip.solvers.flow_engine import FlowSolution, FlowStart, follow_flow, steps_of_flow
 from stickslip.solvers.settings import Request, versions
 from stickslip.solvers.stopped import FAILURES
 
@@ -28,7 +28,7 @@ def run(todo: Request) -> Any:
 
 def _run(todo: Request) -> FlowRun:
     flow, y, length = todo.model, todo.start[0], float(todo.lengths[0])
-    done = follow_flow(flow, y, todo.modes[0], length, growth=False, partial=todo.partial, traced=todo.equations)
+    done = follow_flow(flow, FlowStart(y, todo.modes[0]), length, growth=False, partial=todo.partial, traced=todo.equations)
     status, (method, tolerance) = Status.FINISHED.sentence, steps_of_flow(flow)
     if is_stopped() and done.time < length:
         status = interrupted_at(done.time)
@@ -96,12 +96,12 @@ def flow_columns(
     """
     names, followed = flow.names(len(y)), [] if parts is None else parts
     try:
-        begin = 0.0
+        start = FlowStart(y, mode)
         if settled > 0.0:
-            before = follow_flow(flow, y, mode, settled, growth=False)
-            y, mode, begin = before.state, before.mode, settled
+            before = follow_flow(flow, start, settled, growth=False)
+            start = FlowStart(before.state, before.mode, settled)
             followed.append(before)
-        done = follow_flow(flow, y, mode, span - settled, begin, growth=False)
+        done = follow_flow(flow, start, span - settled, growth=False)
         followed.append(done)
     except SolveError as error:
         if why is not None:

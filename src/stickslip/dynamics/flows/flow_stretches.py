@@ -18,7 +18,7 @@ from stickslip.basics.fields import floats
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.models.switching_flow import SwitchingFlow, is_flow, knows_mode, unknown_mode
 from stickslip.results.flow_pieces import extremes
-from stickslip.solvers.flow_engine import check_flow, follow_flow, unknown
+from stickslip.solvers.flow_engine import FlowStart, check_flow, follow_flow, unknown
 from stickslip.solvers.plain.composed_flows import check_judged, composed, mode_of_state
 from stickslip.solvers.plain.judged_flows import passage_by_scipy
 
@@ -118,7 +118,7 @@ def passage(
         plain, mode = composed(flow), mode_of_state(flow, y, float(begin), mode)
         end, last, t, events, M, rank_deficient, low, high = passage_by_scipy(plain, y, mode, float(duration), float(begin), rtol, switches)
         return Passage(end, last, t, events, M, rank_deficient, low, high, "dop853", why)
-    done = follow_flow(flow, y, mode, float(duration), float(begin), switches)
+    done = follow_flow(flow, FlowStart(y, mode, float(begin)), float(duration), switches)
     low, high = extremes(done.coefficients, np.vstack([y, done.passed, done.state]))
     return Passage(done.state, done.mode, done.time, done.events, done.growth, done.rank_deficient, low, high)
 

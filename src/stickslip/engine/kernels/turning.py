@@ -91,53 +91,39 @@ def may_widen(high, first, last, before, after, bend, S, D):
     return not (max(first, last) + beside <= S[high] and min(first, last) - beside >= S[high + D[LANES]])
 
 
-@typed(float64(float64, float64, float64, float64))
-def where_cubic_turns(rise, before, after, sign):
-    """Where the cubic on the unit interval turns that rises so much, and has these slopes of different signs at its ends."""
-    a, b = before + after - 2.0 * rise, 3.0 * rise - 2.0 * before - after
-    root = math.sqrt(max(b * b - 3.0 * a * before, 0.0))
-    return before / (sign * root - b)
-
-
 @typed(void(int64, int64, float64, float64, float64, float64, f1, i1))
 def widen_within(high, at, part, last, after, bend, S, D):
-    """The same of one that may; `last` and `after` are its value and its slope at the end of the part, its curvature is `bend` at most."""
-    first, before, L = S[at], S[at + D[LANES]], D[LANES]
+    """The same of one that may; `last` and `after` are its value and its slope at the end of the part, its curvature is `bend` at most.
+
+    With slopes of two signs it turns once. The cubic with its values and slopes at both ends says where, and whether that is far within
+    the range. With slopes of one sign it may turn twice: quarters are looked at.
+    """
+    first, before, a, pieces = S[at], S[at + D[LANES]], 0.0, 1
     widen_by(high, first, S, D)
     widen_by(high, last, S, D)
-    half = 0.5 * part
+    sign = 1.0 if before > 0.0 else -1.0
+    x = 0.0
     if before * after < 0.0:
-        rise, sign = last - first, 1.0 if before > 0.0 else -1.0
-        x = where_cubic_turns(rise, part * before, part * after, sign)
-        a, b = part * (before + after) - 2.0 * rise, 3.0 * rise - part * (2.0 * before + after)
-        value = fma(fma(fma(a, x, b), x, part * before), x, first)
+        rise = last - first
+        p, q = part * (before + after) - 2.0 * rise, 3.0 * rise - part * (2.0 * before + after)
+        x = part * before / (sign * math.sqrt(max(q * q - 3.0 * p * part * before, 0.0)) - q)
+        value = fma(fma(fma(p, x, q), x, part * before), x, first)
         end = max(first, last) if before > 0.0 else min(first, last)
-        least = S[high] if before > 0.0 else -S[high + L]
-        if not sign * (value + SURELY * (value - end)) <= least:
-            widen_by(high, value_where_it_turns(at, 0.0, part, before, min(max(part * x, 0.0), part), S, D), S, D)
-        return
-    if abs(before) + abs(after) > bend * part:  # it rises all along, or falls
-        return
-    middle = slope_on_step(at, half, S, D)
-    if before * middle < 0.0:  # it turns twice
-        widen_between(high, at, 0.0, half, before, middle, S, D)
-        widen_between(high, at, half, part, middle, after, S, D)
-        return
-    change = max(abs(middle - before), abs(after - middle))
-    if min(abs(before), min(abs(middle), abs(after))) < 0.5 * change:  # it may turn twice in one of the halves
-        early, late = slope_on_step(at, 0.5 * half, S, D), slope_on_step(at, 1.5 * half, S, D)
-        if before * early < 0.0:
-            widen_between(high, at, 0.0, 0.5 * half, before, early, S, D)
-            widen_between(high, at, 0.5 * half, half, early, middle, S, D)
-        if middle * late < 0.0:
-            widen_between(high, at, half, 1.5 * half, middle, late, S, D)
-            widen_between(high, at, 1.5 * half, part, late, after, S, D)
-
-
-@typed(void(int64, int64, float64, float64, float64, float64, f1, i1))
-def widen_between(high, at, a, b, before, after, S, D):
-    """Widen a range by the value between two parts of the step whose slopes differ in sign."""
-    widen_by(high, value_where_it_turns(at, a, b, before, a + (b - a) * before / (before - after), S, D), S, D)
+        reached = S[high] if before > 0.0 else S[high + D[LANES]]
+        if sign * (value + SURELY * (value - end) - reached) <= 0.0:
+            return
+        x = min(max(part * x, 0.0), part)
+    else:
+        if abs(before) + abs(after) > bend * part:  # it rises all along, or falls
+            return
+        pieces = 4
+    for piece in range(1, pieces + 1):
+        b = part * piece / pieces
+        slope = after if piece == pieces else slope_on_step(at, b, S, D)
+        if before * slope < 0.0:
+            begin = x if pieces == 1 else a + (b - a) * before / (before - slope)
+            widen_by(high, value_where_it_turns(at, a, b, before, begin, S, D), S, D)
+        a, before = b, slope
 
 
 @typed(float64(int64, f1, i1))
