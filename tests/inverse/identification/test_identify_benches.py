@@ -14,6 +14,7 @@ import stickslip as ss
 from rows import each_row
 from stickslip.basics import interruption
 from stickslip.inverse.identification import sampling
+from stickslip.inverse.identification.clocks import clock_of
 
 INERTIA, GRAVITY, RATIO, CONSTANT, GAIN = 0.012, 0.3, 10.0, 0.06, 0.8
 LAW = {"mu_plus": 0.03, "mu_minus": 0.036, "viscous": 0.01}
@@ -112,7 +113,11 @@ def test_uneven_times_are_made_even_and_said():
     rng = np.random.default_rng(3)
     uneven = ss.Record.of(t, {"angle [rad]": motion(t)[0], "torque [N m]": torque(t) + 2e-4 * rng.normal(size=len(t))})
     fit = ss.identify(uneven, START, free=FREE, sensor={}, starts=8)
-    assert "the times are uneven" in fit.report()
+    assert "the times are uneven" in fit.report() and clock_of(rec, "force", "record 0").notes == ()
+    kept = np.flatnonzero(abs(rec["angle"].time - 2.0) > 0.5)
+    columns = {"angle [rad]": rec["angle"].si[kept], "torque [N m]": rec["force"].si[kept]}
+    missing = ss.Record.of(rec["angle"].time[kept], columns)
+    assert clock_of(missing, "force", "record 0").notes == ("the times have 1 gap longer than 3 steps; nothing is compared there",)
     assert within(fit, TRUTH, errors=6.0) == {}  # splines between samples smooth the noise, so that errors are too small by a fifth
 
 

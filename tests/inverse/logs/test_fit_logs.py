@@ -67,6 +67,8 @@ def test_a_force_over_a_motion_is_a_rig_and_its_intervals_hold_the_truth(rig):
         low, high = rig.fit.interval(name, level=0.99)  # this draw has one of three at 1.96 standard errors
         assert low < truth < high, name
     assert "mu  = 2.4" in rig.report() and "column Status left out" in rig.report()
+    assert "calibrate the gain of the sensor: with it known mu is" in rig.next[0] and '"gain": ("normal", 1.0, 0.001)' in rig.next[0]
+    assert any("mu and f correlated" in said and "through the gain of the sensor" in said for said in rig.fit.warnings)
 
 
 def test_a_torque_over_an_angle_is_a_joint_and_its_intervals_hold_the_truth(servo):
@@ -290,8 +292,10 @@ def test_a_law_of_a_fitted_log_is_exported_and_refused_in_amperes():
     joint = ss.export_law(known, "mujoco", speeds=(0.1, 3.0))
     assert joint.numbers["frictionloss"] == pytest.approx(known.values["friction.mu"], rel=1e-9)
     assert joint.numbers["damping"] == pytest.approx(known.values["friction.viscous"], rel=1e-6)
-    with pytest.raises(ss.InputError, match="are in amperes"):
-        ss.export_law(ss.fit(log, law="coulomb-viscous", numbers={"gravity_torque": 0.0}, starts=2), "c")
+    bare = ss.fit(log, law="coulomb-viscous", numbers={"gravity_torque": 0.0}, starts=2)
+    for fit in (bare, bare.fit):
+        with pytest.raises(ss.InputError, match="are in amperes"):
+            ss.export_law(fit, "c")
 
 
 def read_joint():

@@ -10,12 +10,14 @@ import numpy as np
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.phrases import counted
 from stickslip.inverse.identification.weighting import weights_at
 
 if TYPE_CHECKING:
     from stickslip.records.record import Record
 
 
+_GAP = 3  # usual steps, beyond which nothing is known between two samples
 _EVEN = 1e-3  # of an interval, by which the clock of a logger may be off
 
 
@@ -102,9 +104,13 @@ def _even(t: Array, x: Array, y: Array, weight: Any, notes: list[str]) -> tuple[
     even = t[0] + h * np.arange(int((t[-1] - t[0]) / h * (1 + 1e-12)) + 1)
     near = np.searchsorted(t[known], even)
     a, b = t[known][np.clip(near - 1, 0, None)], t[known][np.clip(near, None, known.sum() - 1)]
-    inside = (b - a) <= 3 * h
-    jitter = float(np.std(np.diff(t)[np.diff(t) < 3 * h]) / h)
-    notes.append(f"the times are uneven (by {100 * jitter:.2g} % of a step), so motion and input are resampled at even ones, by splines")
+    inside = (b - a) <= _GAP * h
+    within = np.diff(t)[np.diff(t) < _GAP * h] / h
+    if abs(within - 1).max() > _EVEN:
+        jitter = 100 * float(np.std(within))
+        notes.append(f"the times are uneven (by {jitter:.2g} % of a step), so motion and input are resampled at even ones, by splines")
+    if gaps := len(t) - 1 - len(within):
+        notes.append(f"the times have {counted(gaps, 'gap')} longer than {_GAP} steps; nothing is compared there")
     values = [CubicSpline(t[known], of[known])(even) for of in (x, y)]
     return even, *values, np.where(inside, np.interp(even, t[known], weight[known]), 0.0)
 

@@ -13,7 +13,7 @@ from stickslip.inverse.identification.rounding import beside_white, rounding_col
 _ENOUGH = 60  # values of a record that tell its own noise
 _TIMES = 100.0  # by which the noise of a record may be found larger or smaller than its target supposes, beside that of the others
 _SAME, _ALIKE = 0.05, 0.01  # parts by which the noise of all records, and that of each beside the others, may be off
-_TOGETHER = 0.95  # correlation of two numbers above which they are named
+TOGETHER = 0.95  # correlation of two numbers above which they are named
 _LOST = 1 / 3  # of the distance between bounds
 _AT_A_MINIMUM = 0.1  # squares of the noise: less is promised at a minimum, where numbers are within a third of their standard errors
 _RARE = 1e-3  # chance below which a sum of squares is beyond the noise that was given
@@ -159,7 +159,7 @@ def correlations_of(covariance: ArrayLike) -> Any:
 def correlated(names: list[str], covariance: ArrayLike) -> list[tuple[str, str, float]]:
     """Pairs of numbers that the record hardly distinguishes, and their correlation."""
     table = correlations_of(covariance)
-    return [(names[j], names[i], table[i, j]) for i in range(len(names)) for j in range(i) if abs(table[i, j]) > _TOGETHER]
+    return [(names[j], names[i], table[i, j]) for i in range(len(names)) for j in range(i) if abs(table[i, j]) > TOGETHER]
 
 
 def root_of(covariance: Array) -> Any:

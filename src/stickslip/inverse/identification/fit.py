@@ -67,6 +67,8 @@ class Fit(Face):
         By how much other noise of the input (position, load) would change what is met, in standard deviations: (values, repetitions).
     misfit : Misfit or None
         What is left besides noise, and what that makes of the errors.
+    in_amperes : bool
+        Whether torques are over a motor constant that nobody gave (`stickslip.fit` of a current), so that they stand in amperes.
 
     Examples
     --------
@@ -97,6 +99,7 @@ class Fit(Face):
     contradictions: tuple[str, ...] = ()
     changes: NDArray[np.float64] | None = None
     misfit: Any = None
+    in_amperes: bool = False
 
     if not TYPE_CHECKING:  # a type checker would take every name for one of ours
 
@@ -301,8 +304,12 @@ class Fit(Face):
     @property
     def correlated(self) -> list[str]:
         """Sentences on pairs of parameters that these data can hardly distinguish."""
-        pairs = correlated(list(self.names), self.covariance)
-        return [f"{one} and {other} correlated {rho:.2f}: fix one or {self.remedy}" for one, other, rho in pairs]
+        sentences = []
+        for one, other, rho in correlated(list(self.names), self.covariance):
+            what = uncertainty.through_the_sensor(self, one, other)
+            remedy = f"through the {what} of the sensor: calibrate it" if what else f"fix one or {self.remedy}"
+            sentences.append(f"{one} and {other} correlated {rho:.2f}{' ' if what else ': '}{remedy}")
+        return sentences
 
     @property
     def remedy(self) -> str:

@@ -10,8 +10,9 @@ import numpy as np
 
 from stickslip.basics.contracts import Array
 from stickslip.basics.information import Information
+from stickslip.basics.notebook_display import sure
 from stickslip.basics.phrases import listed
-from stickslip.inverse.identification.covariance import effective, spread_of
+from stickslip.inverse.identification.covariance import TOGETHER, effective, spread_of
 from stickslip.inverse.identification.fit_text import OVER_MOTION, undetermined
 from stickslip.inverse.identification.search import polished_to_end
 
@@ -28,6 +29,7 @@ _FOLLOWS = 3  # points there, each with the other numbers nearer to their best
 _AT_BOUND = 1e-4  # on the scale of the search
 _WANTED = 0.05  # of the distance of its bounds: error of a parameter with the sensor that is recommended
 _PROFILED = 24  # points that are tried for one end of a profile
+_HALF = 0.5  # of a standard error
 _NEAR_BOUND = 0.1  # standard errors to a bound, nearer than which nothing is seen of a parabola
 
 
@@ -59,6 +61,35 @@ def costs(fit: Fit) -> dict[str, dict[str, float]]:
     effects = dict.fromkeys(n.family for n in fit.problem.numbers)
     one = {what: known_to_be(fit, [n.name for n in fit.problem.numbers if n.family == what]).errors for what in effects}
     return one | ({"": known_to_be(fit, [n.name for n in fit.problem.numbers]).errors} if effects else {})
+
+
+def calibrations(fit: Fit) -> list[str]:
+    """Which effects of the sensors to calibrate, each where it makes more than half of the standard error of a parameter."""
+    sentences = []
+    for what in dict.fromkeys(n.family for n in fit.problem.numbers if n.of == "the sensor"):
+        known = fit.costs[what]
+        names = [name for name, error in fit.errors.items() if name not in fit.undetermined and known[name] < _HALF * error]
+        if names:
+            gained = listed([f"{name} is {sure(known[name])} instead of {sure(fit.errors[name])}" for name in names])
+            sentences.append(f"calibrate the {what} of the sensor: with it known {gained}; then {_typed_when_calibrated(fit, what)}")
+    return sentences
+
+
+def _typed_when_calibrated(fit: Fit, what: str) -> str:
+    """What to type of the sensors once one effect of them is known."""
+    known = {"gain": '("normal", 1.0, 0.001)'}.get(what, "0.0")
+    numbers = dict.fromkeys(n.family for n in (*fit.problem.numbers, *fit.problem.held) if n.of == "the sensor")
+    return f"type sensor={{{', '.join(f'{quoted!r}: {known if quoted == what else None}' for quoted in numbers)}}}".replace("'", '"')
+
+
+def through_the_sensor(fit: Fit, one: str, other: str) -> str:
+    """The effect of the sensors by which two parameters are correlated: they are not where it is known; empty where there is none."""
+    pair = [fit.names.index(one), fit.names.index(other)]
+    for what in dict.fromkeys(n.family for n in fit.problem.numbers if n.of == "the sensor"):
+        known = known_to_be(fit, [n.name for n in fit.problem.numbers if n.family == what])
+        if not abs(known.correlations[pair[0], pair[1]]) > TOGETHER and all(known.errors[n] < _HALF * fit.errors[n] for n in (one, other)):
+            return what
+    return ""
 
 
 def in_parts(value: float, whole: tuple[float, float], noise: tuple[float, float]) -> tuple[float, float]:

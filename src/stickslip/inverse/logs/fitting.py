@@ -12,7 +12,7 @@ from stickslip.basics.arguments import explains_arguments
 from stickslip.basics.errors import InputError, StickslipError, did_you_mean
 from stickslip.basics.progress import progress_callback
 from stickslip.inverse.identification.ranking import UNDECIDED, Ranking, rank
-from stickslip.inverse.identification.uncertainty import faults
+from stickslip.inverse.identification.uncertainty import calibrations, faults
 from stickslip.inverse.logs.log_fit import LogFit
 from stickslip.inverse.logs.machines import Kind, Task
 from stickslip.inverse.logs.plan import Plan, plan_of
@@ -204,20 +204,21 @@ def _laws(kind: Kind, search: _Search, law: str | None) -> tuple[dict[str, Any],
 
 def _next(chosen: Any, kind: Kind) -> list[str]:
     """What to measure next for the numbers that the record does not determine, or only poorly."""
+    own = calibrations(chosen)
     poor = [name for name, error in chosen.errors.items() if name in chosen.undetermined or error > 0.2 * abs(chosen.values[name])]
     if not poor or not kind.advises:
-        return []
+        return own
     _, x, v = chosen.problem.targets[0].moved(chosen.predicted[0])
     stroke, speed = float(max(x) - min(x)), float(max(abs(v)))
     if not stroke > 0 or not speed > 0:
-        return []
+        return own
     hertz = speed / (math.pi * stroke)
     choices = [{"stroke": float(f"{stroke * s:.2g}"), "frequency": float(f"{hertz * f:.2g}")} for s in (1.0, 3.0) for f in (0.1, 1.0, 5.0)]
     try:
         plan = chosen.next_experiment(choices, samples=600)
     except StickslipError:
-        return []
-    return [f"for {', '.join(poor)}: {plan.notes[0]}"]
+        return own
+    return [*own, f"for {', '.join(poor)}: {plan.notes[0]}"]
 
 
 def written(file: Any, units: dict[str, str], roles: dict[str, str], reading: dict[str, Any]) -> str:

@@ -127,7 +127,7 @@ class LogFit(Face):
     @property
     def in_amperes(self) -> bool:
         """Whether torques are over a motor constant that nobody gave, and so in amperes."""
-        return any(p.what == "motor_constant" and p.why != "typed" for p in self.proposals)
+        return bool(self.fit.in_amperes)
 
     def model(self) -> Any:
         """The machine with the fitted numbers, as `Fit.model` gives it; `InputError` where its torques are in amperes."""

@@ -6,7 +6,7 @@ import inspect
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -46,12 +46,14 @@ class Task:
     options: dict[str, Any] = field(default_factory=dict)
     values: Callable[[list[Any]], list[Any]] = list  # what of the records is fitted
     values_by: str = "{}"  # the expression that makes it of the records
+    in_amperes: bool = False  # whether torques are over a motor constant that nobody gave
 
     def __call__(self, records: list[Any], **more: Any) -> Any:
         """The fit."""
         from stickslip.inverse.identification import identify
 
-        return identify(self.values(records), self.make, free=self.free, **self.options, **more)
+        fit = identify(self.values(records), self.make, free=self.free, **self.options, **more)
+        return replace(fit, in_amperes=self.in_amperes)
 
     def written(self, records: str) -> str:
         """The call as Python; the numbers are those of the call to the last digit."""
@@ -248,10 +250,11 @@ class JointLog(Kind):
         friction = {name.removeprefix("friction."): value for name, value in example.items() if name.startswith("friction.")}
         law_made = cls(**friction, **({"exponent": 2.0} if cls is Stribeck else {}))
         own: dict[str, Any] = {name: float(given[name]) for name in self.takes if name in given}
-        own |= {"motor_constant": 1.0} if applied == "current" and "motor_constant" not in given else {}
+        in_amperes = applied == "current" and "motor_constant" not in given
+        own |= {"motor_constant": 1.0} if in_amperes else {}
         joint: Joint = Joint(**({"inertia": example.get("inertia", 1.0)} | own), friction=law_made, torque=0.0)
         options = {"sensor": {"offset": None}} if applied == "torque" else {"sensor": {"offset": None, "drift": 0.0}}
-        return Task(joint, spelled(joint, 1), _sides(free, asymmetric), options)
+        return Task(joint, spelled(joint, 1), _sides(free, asymmetric), options, in_amperes=in_amperes)
 
 
 def _middle(bounds: tuple[Any, ...]) -> float:

@@ -133,6 +133,7 @@ def export_law(
         _check_range(speeds, load, armature, problems)
     elif any(value not in (None, 0.0) for value in (load, speeds, armature)):
         problems.add(f'load, speeds and armature are those of "mujoco"; leave them out for {language!r}')
+    _refuse_amperes(law, problems)
     given = law.model() if callable(getattr(law, "model", None)) and not is_law(law) and not is_machine(law) else law
     if not is_law(given) and not is_machine(given):
         what = "a friction law, a robot or machine with one contact, or a fit"
@@ -142,6 +143,15 @@ def export_law(
     if language == "mujoco" and load is None:
         load = _load_of(given)
     return LANGUAGES[language](own, language, prefix_of(own, name), load, speeds, armature, _units_of(given))
+
+
+def _refuse_amperes(law: Any, problems: Problems) -> None:
+    """A problem for a fit whose torques are over a motor constant that nobody gave."""
+    from stickslip.inverse.identification.fit import Fit
+
+    if isinstance(law, Fit) and law.in_amperes:
+        typed = 'type ss.fit(..., numbers={"motor_constant": 0.05}) with that of the motor [N m/A]'
+        problems.add(f"the torques of this fit are in amperes, because nobody gave a motor constant; {typed}")
 
 
 def _check_range(speeds: Any, load: Any, armature: Any, problems: Problems) -> None:
