@@ -15,7 +15,9 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.basics.maths import bisected
 from stickslip.basics.notebook_display import Drawn
+from stickslip.models.angular_coordinates import unit_of_part
 from stickslip.models.machine_adapter import machine_of
+from stickslip.models.rounding import without_rounding
 from stickslip.results.segments import intervals_of
 
 if TYPE_CHECKING:
@@ -131,7 +133,8 @@ class Oscillation(Drawn):
     def _facts(self) -> dict[str, Any]:
         facts: dict[str, Any] = {"type": self.type}
         if not np.isnan(self.mean_velocity):
-            facts["mean velocity"] = f"{self.mean_velocity:.6g} m/s"
+            mean = self.mean_velocity if self._run is None else without_rounding(self.mean_velocity, self._run.model)
+            facts["mean velocity"] = f"{mean:.6g} {self._unit('v', '')}"
         if self.period is not None:
             facts["repeats after"] = f"{self.duration:.9g} s ({self.period} turn{'s' * (self.period != 1)})"
         if self.type == "not settled":
@@ -140,8 +143,15 @@ class Oscillation(Drawn):
             facts[what] = f"{how}; run it for longer"
         return facts
 
+    def _unit(self, column: str, body: str) -> str:
+        """Of a body's position or velocity, or of the machine's."""
+        return unit_of_part(column, self._run.model, body) if self._run is not None else {"x": "m", "v": "m/s"}[column]
+
     def _tables(self) -> list[list[tuple[str, ...]]]:
-        bodies = [(name, f"{self.amplitudes[name]:.6g}", f"{low:.6g}", f"{high:.6g}") for name, (low, high) in self.velocity_ranges.items()]
+        bodies = []
+        for name, (low, high) in self.velocity_ranges.items():
+            way, rate = self._unit("x", name), self._unit("v", name)
+            bodies.append((name, f"{self.amplitudes[name]:.6g} {way}", f"{low:.6g} {rate}", f"{high:.6g} {rate}"))
         contacts = [
             (
                 name,
@@ -151,7 +161,7 @@ class Oscillation(Drawn):
             for name, c in self.contacts.items()
         ]
         head = ("contact", "pattern", "forward", "backward", "stick")
-        return [[("body", "amplitude [m]", "lowest velocity [m/s]", "highest velocity [m/s]"), *bodies], [head, *contacts]]
+        return [[("body", "amplitude", "lowest velocity", "highest velocity"), *bodies], [head, *contacts]]
 
     def __str__(self) -> str:
         return self._text()
