@@ -15,7 +15,7 @@ from typing import Any
 from stickslip.basics.errors import InputError
 from stickslip.engine.kernel_text import KernelSource
 from stickslip.engine.shared_arrays import address_of
-from stickslip.engine.signatures import BOOLEAN, FLOAT64, INT8, INT64, VOID, InMemory, Several, Signature, signature
+from stickslip.engine.signatures import BOOLEAN, FLOAT64, INT8, INT64, VOID, InMemory, Several, signature
 
 _LEVEL = 3  # of optimisation
 #: Processors that STICKSLIP_CPU may name, and what they need.
@@ -182,7 +182,7 @@ class Compiled:
 
     def __getitem__(self, name: str) -> CompiledFunction:
         """A function, by its name."""
-        return CompiledFunction(self, self.addresses[name], signature(self.source.entries[name]))
+        return CompiledFunction(self, self.addresses[name], self.source.entries[name])
 
 
 class CompiledFunction:
@@ -191,16 +191,10 @@ class CompiledFunction:
     An array of another type, or whose numbers do not stand in a row, is a `TypeError`.
     """
 
-    def __init__(self, kernel: Compiled, address: int, kind: Signature):
-        self._kernel, self._takes, self._returns = kernel, kind.takes, kind.returns
-        self._room = _room(kind.returns) if isinstance(kind.returns, Several) else None
-        takes: list[Any] = []
-        for each in kind.takes:
-            takes += [ctypes.c_void_p, *[ctypes.c_int64] * each.axes] if isinstance(each, InMemory) else [_KINDS[each]]
-        if self._room is not None:
-            self._call = ctypes.CFUNCTYPE(None, *takes, ctypes.c_void_p)(address)
-        else:
-            self._call = ctypes.CFUNCTYPE(_KINDS[kind.returns], *takes)(address)  # type: ignore[index]
+    def __init__(self, kernel: Compiled, address: int, kind: str):
+        self._kernel = kernel
+        (self._takes, self._returns), self._room, called = _prototype(kind)
+        self._call = called(address)
 
     def __call__(self, *args: Any) -> Any:
         """Its result."""
@@ -224,6 +218,17 @@ class CompiledFunction:
             )
         result = self._call(*given)
         return bool(result) if self._returns is BOOLEAN else result
+
+
+@lru_cache(1024)
+def _prototype(text: str) -> tuple[tuple[Any, Any], Any, Any]:
+    """What functions of a signature take and return, where several numbers are returned, and how they are called."""
+    kind = signature(text)
+    room, takes = _room(kind.returns) if isinstance(kind.returns, Several) else None, []
+    for each in kind.takes:
+        takes += [ctypes.c_void_p, *[ctypes.c_int64] * each.axes] if isinstance(each, InMemory) else [_KINDS[each]]
+    returned = [None, *takes, ctypes.c_void_p] if room is not None else [_KINDS[kind.returns], *takes]  # type: ignore[index]
+    return (kind.takes, kind.returns), room, ctypes.CFUNCTYPE(*returned)
 
 
 def _room(kind: Several) -> Any:
