@@ -193,42 +193,46 @@ class CompiledFunction:
 
     def __init__(self, kernel: Compiled, address: int, kind: str):
         self._kernel = kernel
-        (self._takes, self._returns), self._room, called = _prototype(kind)
+        self._takes, self._returns, self._room, called = _prototype(kind)
         self._call = called(address)
 
     def __call__(self, *args: Any) -> Any:
         """Its result."""
         given: list[Any] = []
-        for kind, arg in zip(self._takes, args, strict=True):
-            if isinstance(kind, InMemory):
-                if arg.dtype != _ELEMENTS[kind.number] or arg.ndim != kind.axes or not arg.flags.c_contiguous:
-                    raise TypeError(
-                        f"an array of {arg.dtype} with {arg.ndim} axes is given for one of {kind.number.name} in a row with {kind.axes}"
-                    )
-                given.append(address_of(arg))
-                given += arg.shape
-            else:
-                given.append(float(arg) if kind is FLOAT64 else int(arg))
+        for (kind, element, axes), arg in zip(self._takes, args, strict=True):
+            if axes is None:
+                given.append(element(arg))
+                continue
+            if arg.dtype != element or arg.ndim != axes or not arg.flags.c_contiguous:
+                raise TypeError(f"an array of {arg.dtype} with {arg.ndim} axes is given for one of {kind.number.name} in a row with {axes}")
+            given.append(address_of(arg))
+            given += arg.shape
         if self._room is not None:
             room = self._room()
             self._call(*given, ctypes.addressof(room))
             return tuple(
                 bool(part) if kind is BOOLEAN else part
-                for kind, part in zip(self._returns.numbers, (getattr(room, name) for name, _ in self._room._fields_), strict=True)  # type: ignore[union-attr]
+                for kind, part in zip(self._returns.numbers, (getattr(room, name) for name, _ in self._room._fields_), strict=True)
             )
         result = self._call(*given)
         return bool(result) if self._returns is BOOLEAN else result
 
 
 @lru_cache(1024)
-def _prototype(text: str) -> tuple[tuple[Any, Any], Any, Any]:
-    """What functions of a signature take and return, where several numbers are returned, and how they are called."""
+def _prototype(text: str) -> tuple[list[tuple[Any, Any, int | None]], Any, Any, Any]:
+    """What functions of a signature take, with the elements and axes of arrays; what they return, where, and how they are called."""
     kind = signature(text)
     room, takes = _room(kind.returns) if isinstance(kind.returns, Several) else None, []
     for each in kind.takes:
         takes += [ctypes.c_void_p, *[ctypes.c_int64] * each.axes] if isinstance(each, InMemory) else [_KINDS[each]]
     returned = [None, *takes, ctypes.c_void_p] if room is not None else [_KINDS[kind.returns], *takes]  # type: ignore[index]
-    return (kind.takes, kind.returns), room, ctypes.CFUNCTYPE(*returned)
+    taken = [(each, _ELEMENTS[each.number], each.axes) if isinstance(each, InMemory) else (each, _plain(each), None) for each in kind.takes]
+    return taken, kind.returns, room, ctypes.CFUNCTYPE(*returned)
+
+
+def _plain(kind: Any) -> Any:
+    """What makes a number of a kind."""
+    return float if kind is FLOAT64 else int
 
 
 def _room(kind: Several) -> Any:
