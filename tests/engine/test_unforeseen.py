@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import drawn
 import series_twin
@@ -30,6 +31,28 @@ def exact(robot, periods=6, **more):
 
 
 # ---- Taylor steps ----
+@dataclass(frozen=True, eq=False)
+class FromRest(ss.Machine):
+    """A body that a constant force and a power of its state drive."""
+
+    force: float
+    friction: Any
+    time_scale, velocity_scale = 20.0, 1.0
+
+    def bodies(self):
+        return {"body": ss.Body(1.0, force=lambda t, x, v: self.force - v * v * v * v)}
+
+    def contacts(self):
+        return {"body": ss.Contact("body", self.friction, load=1.0)}
+
+
+def test_every_fourth_coefficient_alone():
+    """Of v' = 1 - v^4 from rest the last two of 16 coefficients are zero, and the series ends all the same: it was 7e-5 m off."""
+    run = ss.solve(FromRest(1.01, ss.Coulomb(0.01, 0.01)), duration=3.0)
+    exact = solve_ivp(lambda t, y: [1.0 - y[0] ** 4, y[0]], (0.0, 3.0), [0.0, 0.0], "DOP853", rtol=1e-13, atol=1e-15).y[:, -1]
+    assert run.method == "exact" and abs(run.v[-1] - exact[0]) < 1e-12 and abs(run.x[-1] - exact[1]) < 1e-12
+
+
 @pytest.mark.parametrize("robot", [NARROW, drawn.robot(3), drawn.robot(273)], ids=["a hundredth", "drawn", "drawn too"])
 def test_no_step_passes_over_a_stribeck_peak(robot):
     judge = exact(robot, 3, method="radau", rtol=1e-10)  # as exact as LSODA's and DOP853's 1e-12 here

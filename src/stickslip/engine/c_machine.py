@@ -54,7 +54,7 @@ def c_machine(k: PlainKernel, further: dict[str, dict[str, Sym]]) -> CMachine:
     shared = {
         name: View(f"W->{name}", WHOLE if name in ("JOB", "N") else REAL, tuple(map(constant, shape))) for name, shape in sizes.items()
     }
-    plain = driver.plain_texts()
+    plain = driver.plain_texts(k.step.degree)
     texts = {"law_": "\n".join([k.text, *(_text(k, *each) for each in further.items())])}
     texts |= ({"land_": plain["landing"]} if k.layout["SERIES"] else {}) | {"do_": plain["driver"]}
     program = CProgram(texts, shared, {"lane": constant(0)}, k.table, outside={"step": "step"})

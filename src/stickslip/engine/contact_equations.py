@@ -12,6 +12,7 @@ from stickslip.engine.landings import add_landing
 from stickslip.engine.pressed import Pressed, add_pressed, pressed_stops, settled_apart, settles, shut_at
 from stickslip.engine.refused import groups_of
 from stickslip.engine.several_feet import add_several
+from stickslip.engine.solved_load import add_solved, events_of_border
 from stickslip.engine.symbolic import Symbolic
 from stickslip.engine.symbols import Sym, TraceError
 from stickslip.engine.system import Branches, TracedContact
@@ -179,6 +180,8 @@ def add_contacts(parts: Assembly, speeds: list[Sym | None]) -> None:
                 add_several(parts, group, speeds)
             else:
                 add_landing(parts, group[0], speeds)
+        elif len(group) == 1 and m.of_motion[group[0]] and m.equations.joined:
+            parts.events += events_of_border(add_solved(parts, group[0], speeds), None)
         elif m.equations.joined or len({m.directions[i] for i in group}) > 1 or not brakes_one(m.directions[group[0]]):
             add_box(parts, group, speeds)
         elif len(group) > 1:
@@ -197,6 +200,8 @@ def loads_that_end(parts: Assembly, i: int) -> list[Sym]:
     lies below zero by more than rounding makes of forces.
     """
     m = parts.m
+    if m.equations.joined and m.of_motion[i] and not m.laws[i].dynamic:
+        return [m.loads[i]] if m.equations.touching[i].pushes else []  # a rail presses on its other side
     if not m.of_motion[i]:
         return [m.loads[i]]
     mass = m.lift(m.equations.masses[next(k for k, g in enumerate(m.directions[i]) if g)])
@@ -210,7 +215,7 @@ def loads_that_end(parts: Assembly, i: int) -> list[Sym]:
 def borders_of_loads(parts: Assembly, i: int) -> list[Sym]:
     """What is positive as long as one load of a contact follows from its motion, at rest to either side; nothing where it is given."""
     m, borders = parts.m, []
-    if not m.of_motion[i] or m.laws[i].dynamic or len(m.equations.flying) > 1:
+    if not m.of_motion[i] or m.laws[i].dynamic or m.equations.joined:  # those that solve for it say so themselves
         return []
     slip, one, mode = parts.slip(i), m.graph.constant(1.0), parts.modes[i] if i < len(parts.modes) else None
     flight = parts.contacts[i].flight

@@ -51,7 +51,7 @@ _LISTS = ("SIDES", "KINDS", "STATE_OF", "BODY_MOVES", "BODY_SIGNAL", "LOOKED_AT"
 
 def table(kernel: Compiled, layout: dict[str, int], scale_at: tuple[int, ...], lists: tuple[tuple[int, ...], ...]) -> Any:
     """The whole numbers by which the driver finds its way in a law's kernel: layout, addresses, places of lists, scales, lists."""
-    units = [kernel, *([_landing(layout["LANES"])] if layout["SERIES"] else ())]
+    units = [kernel, *([_landing(layout["LANES"], layout["DEGREE"])] if layout["SERIES"] else ())]
     units += [_apart(name) for name, needed in (("parts", layout["SIGNALS"]), ("changes", layout["CARRIED"])) if needed]
     where = dict.fromkeys(FUNCTIONS, 0) | {name: at for unit in units for name, at in unit.addresses.items()}
     return table_of(where, layout, scale_at, lists)
@@ -97,12 +97,12 @@ def _shared_constants() -> list[str]:
     return [*_LOOKS, status_text(), recurrence_text()]
 
 
-def plain_texts() -> dict[str, str]:
+def plain_texts(order: int) -> dict[str, str]:
     """The Python text of the driver of one held case of which nothing is noted, and of where its Taylor steps end."""
     texts = map(kernel_text, ("columns", "flags", "driving_lanes", "advancing", "alone"))
     return {
         "driver": "\n".join([*_places(), *_shared_constants(), *texts]),
-        "landing": "\n".join([*_places(), _of_landing(1), *map(kernel_text, ("polynomials", "arcs"))]),
+        "landing": "\n".join([*_places(), _of_landing(1, order), *map(kernel_text, ("polynomials", "arcs"))]),
     }
 
 
@@ -116,14 +116,15 @@ def _apart(name: str) -> Any:
 
 
 @lru_cache
-def _landing(lanes: int) -> Any:
-    """Where Taylor steps end; compiled for a number of lanes, because it is most of their work."""
+def _landing(lanes: int, order: int) -> Any:
+    """Where Taylor steps of an order end; compiled for a number of lanes, because it is most of their work."""
     label = f"what all Taylor kernels share ({'one case' if lanes == 1 else 'many cases'})"
-    return cache.load(source(_kinds(["land"]), [_of_landing(lanes)], ("polynomials", "arcs")), f"arcs_{lanes}", label)
+    name = f"arcs_{lanes}" if order == ORDER else f"arcs_{lanes}_{order}"
+    return cache.load(source(_kinds(["land"]), [_of_landing(lanes, order)], ("polynomials", "arcs")), name, label)
 
 
-def _of_landing(lanes: int) -> str:
-    return f"ORDER, L, STRIDE, POINTS = {ORDER}, {lanes}, {lanes}, {POINTS}"
+def _of_landing(lanes: int, order: int) -> str:
+    return f"ORDER, L, STRIDE, POINTS = {order}, {lanes}, {lanes}, {POINTS}"
 
 
 def _kinds(names: Iterable[str]) -> dict[str, str]:

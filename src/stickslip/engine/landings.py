@@ -17,8 +17,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from stickslip.engine.assembly import Assembly
-from stickslip.engine.coupled import Box, add_box, without_slip
+from stickslip.engine.coupled import without_slip
 from stickslip.engine.graphs import Substituted
+from stickslip.engine.solved_load import SolvedLoad, add_solved, events_of_border
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Flight
 from stickslip.models.friction.law_adapter import TINY
@@ -40,17 +41,17 @@ def add_landing(parts: Assembly, i: int, speeds: list[Sym | None]) -> None:
     m, first = parts.m, len(parts.events)
     graph, one = m.graph, m.graph.constant(1.0)
     flight = flight_of(parts, i)
-    box = add_box(parts, [i], speeds)
+    solved = add_solved(parts, i, speeds)
     mode, slip = parts.modes[i], m.slips[i]
+    parts.events += events_of_border(solved, None)
     parts.events[first:] = [(graph.select(flight.aloft, one, guard), *then) for guard, *then in parts.events[first:]]  # type: ignore[misc]
     parts.first_modes[i] = graph.select(flight.first, graph.by_side(slip, one, -one, one), parts.first_modes[i])
     parts.contacts[-1] = replace(parts.contacts[-1], flight=flight, inner=flight.inner)
-    touching, free = m.accelerations(parts.forces), m.free_of(i)
-    for j, own in enumerate(parts.f):
-        parts.f[j] = graph.select(flight.aloft, free[j], touching[j] if own is None else own)
+    for j, (own, free) in enumerate(zip(parts.f, m.free_of(i), strict=True)):
+        parts.f[j] = graph.select(flight.aloft, free, own)
     up = graph.by_side(mode, one, -one, one)  # in flight nothing rests
-    parts.events.append((graph.select(flight.aloft, one, -m.rising(i)), {flight.mode: one, i: up}, {}, 0))
-    _add_hit(parts, i, flight, box, up)
+    parts.events.append((graph.select(flight.aloft, one, solved.pressing), {flight.mode: one, i: up}, {}, 0))
+    _add_hit(parts, i, flight, solved, up)
 
 
 def flight_of(parts: Assembly, i: int) -> Flight:
@@ -69,7 +70,7 @@ def flight_of(parts: Assembly, i: int) -> Flight:
     return Flight(number, aloft, first, (begin, begin + 1), tuple(map(m.lift, height)), *moved)
 
 
-def _add_hit(parts: Assembly, i: int, flight: Flight, box: Box, up: Sym) -> None:
+def _add_hit(parts: Assembly, i: int, flight: Flight, solved: SolvedLoad, up: Sym) -> None:
     """Where the gap closes: thrown back, or it stays and slips on, rests, or breaks away."""
     m = parts.m
     graph, one, zero = m.graph, m.graph.constant(1.0), m.graph.constant(0.0)
@@ -78,7 +79,7 @@ def _add_hit(parts: Assembly, i: int, flight: Flight, box: Box, up: Sym) -> None
     thrown, stays = (_hit(parts, i, rate, of) for of in (e, zero))
     after = Substituted(graph, {y.name: y + change for y, change in zip(m.y, stays.changes, strict=True)})
     over = MOMENT * time_of(parts) * (1.0 - e) * -after.of(m.rising(i)) + 2.0 * (e * rate)  # > 0: so are the rebounds
-    rests = after.of(box.decided({i: zero})[i])
+    rests = after.of(solved.decided(zero))
     exactly = {j: after.of(of) for j, of in without_slip(m, i).items()}
     states: dict[int, Any] = {flight.inner[0]: zero, flight.inner[1]: graph.select(over, zero, -(e * rate))}
     for j, y in enumerate(m.y):

@@ -30,7 +30,7 @@ from stickslip.models.linear_equations import determinant, eliminated, product, 
 
 LIFTS = 2  # of a combination: the point does not touch; else 1 and -1 are its side, 0 is rest
 _TIE = 1e-12  # of a load, or of the rates that there are: what rounding may make of a condition that holds with equality
-_BESIDE = 1e-12  # how far beside the border where loads are infinite a run ends: nothing that is infinite has a series
+_BESIDE = 1e-10  # of itself without friction: how far beside the border a run ends, whose 24 coefficients are numbers
 _STILL = 1e-11  # of the velocity scale: a slip, or a rate of a gap, that is none
 
 Numbers = dict[int, Sym]

@@ -8,6 +8,7 @@ step, dips between the looks included. What the coefficients cannot foresee is i
 
 from __future__ import annotations
 
+from stickslip.basics.status import Status
 from stickslip.engine.coupled import SLIP
 from stickslip.engine.kernel_text import function
 from stickslip.engine.rosenbrock_step import Step, ended_by, sides
@@ -16,13 +17,20 @@ from stickslip.engine.rows import write_rows
 from stickslip.engine.steptext import bound, held
 from stickslip.engine.symbols import CASE, Sym
 from stickslip.engine.system import System, TracedContact, TracedSwitch
-from stickslip.engine.unforeseen import FLOOR, NEAR_POLE, Way, active
+from stickslip.engine.unforeseen import FLOOR, LAST, NEAR_POLE, Way, active
 from stickslip.engine.values import needed_by
 from stickslip.engine.write import LOG_OF_BITS, Writer, horner, literal
 
-ORDER = 16
+ORDER, HIGHER = 16, 24  # the second where a matrix of inertia varies: steps cost more than their coefficients there
 LONGEST = 0.25  # of a period
 ROUNDING = 1e-16  # of a state's scale: what a step may leave out
+BESIDE = 2e-10  # of its size: how much further than such a guard its border is
+WIDER = 5.0  # how much larger a coefficient may be than the next one, at the end of a step of order `HIGHER`
+
+
+def order_of(eq: System) -> int:
+    """The order of a system's steps."""
+    return HIGHER if eq.graph.linear else ORDER
 
 
 def write_step(eq: System) -> Step:
@@ -86,7 +94,7 @@ def slips_of(eq: System, guard: Sym) -> list[TracedContact]:
 
 class _SeriesWriter:
     def __init__(self, eq: System):
-        self.eq, self.w = eq, Writer()
+        self.eq, self.w, self.order = eq, Writer(), order_of(eq)
         self._held: set[int] = set()  # numbers of the expressions that `_hold` has been given
         self.watched = [(k, eq.guards[k]) for k in watched(eq)]
         self.rising = active(eq, "exp") | active(eq, "tanh")
@@ -98,7 +106,7 @@ class _SeriesWriter:
         """All lines in order."""
         self.period = self._value(self.eq.period)
         wanted = [*(guard for _, guard in self.watched), *(node.args[0] for node in self.rising), *self.quotients]
-        self.rows = write_rows(self.eq.y, self.eq.f, wanted, self.w, self.start, ORDER)
+        self.rows = write_rows(self.eq.y, self.eq.f, wanted, self.w, self.start, self.order)
         self.w.line("_acc", f"1.0 * {self._value(self.eq.f[0])}")
         self.w.line("_ratio", "1.0")
         self._length()
@@ -109,10 +117,10 @@ class _SeriesWriter:
         for node in (*self.eq.offsets[:1], self.eq.period):
             self._hold(node)
         hold_sizes(self.eq, self.w.case_nodes)
-        return Step(tuple(self.w.lines), tuple(self._fields()), tuple(self.w.case_nodes), ORDER, series=True)
+        return Step(tuple(self.w.lines), tuple(self._fields()), tuple(self.w.case_nodes), self.order, series=True)
 
     def _fields(self) -> list[str]:
-        eq, states, orders = self.eq, range(self.eq.states), range(ORDER + 1)
+        eq, states, orders = self.eq, range(self.eq.states), range(self.order + 1)
         fields = ["t", "tend", "x", *(f"y{i}" for i in states), *(f"b{k}" for k in range(eq.signs)), *(s.name for s in eq.modes)]
         fields += [*(f"clk{k}" for k in range(len(eq.clocks))), *(f"m{i}" for i in states if i), "stat", "nacc", "nrej", "ratio", "acc"]
         fields += ["t0", "hh", "x0", *sides(eq), "last", "top", *ended_by(eq), *(f"k{i}_{m}" for i in states for m in orders)]
@@ -138,14 +146,38 @@ class _SeriesWriter:
         w = self.w
         w.line("_longest", f"{literal(LONGEST)} * {self.period}")
         w.line("_hh", "1.0 * _longest")
+        if self.order != ORDER:
+            self._limit_before()
         if self.eq.sizes:  # nothing says how long a step is but the states: what a guard may leave out is measured within theirs
             self._limit_by(self._of_states())
             self._limit_by(self._of_guards("_hh"))
         else:
             self._limit_by([*self._of_states(), *self._of_guards("_longest")])
+        self._limit_by_borders()
         w.line("_rem", "_tend - _t")
         w.line("_last", "1.0 if _rem <= _hh * 1.0000001 else 0.0")
         w.line("_hh", "_rem if _last > 0.5 else _hh")
+
+    def _limit_before(self) -> None:
+        """Shorten it by coefficients before the last two, which are larger in a series that converges: what a gap hides shows there."""
+        w = self.w
+        rows = [(self.rows[y.number], w.line(w.fresh(), text)) for y, text in self._of_states()]
+        w.line("_wider", f"{literal(WIDER ** (LAST - 1))}")
+        w.begin(f"for m in range({self.order + 1 - LAST}, {self.order - 1})")
+        for row, least in rows:
+            self._limit(row, f"_wider * {least}")
+        w.line("_wider", f"{literal(1.0 / WIDER)} * _wider")
+        w.end()
+
+    def _limit_by_borders(self) -> None:
+        """Keep it to half of the way to where loads that follow from the motion are infinite: nothing there has a series."""
+        w = self.w
+        for k, guard in self.watched:
+            if k in self.eq.switches and self.eq.switches[k].status == Status.PAINLEVE and guard.number in self.rows:
+                value, row = self._value(guard), self.rows[guard.number]
+                size = horner([f"abs({c})" for c in (value, f"{row}[1]", f"{row}[2]")], "_longest")
+                left, falls = w.line(w.fresh(), f"0.5 * (abs({value}) + {literal(BESIDE)} * ({size}))"), w.line(w.fresh(), f"abs({row}[1])")
+                w.line("_hh", f"_hh if _hh * {falls} < {left} else {left} / {falls}")
 
     def _limit_by(self, tolerated: list[tuple[Sym, str]]) -> None:
         """Shorten the step until the last terms of some series are below their sizes."""
@@ -153,7 +185,7 @@ class _SeriesWriter:
         rows = [(self.rows[node.number], w.line(w.fresh(), text)) for node, text in tolerated]
         if not rows:
             return
-        w.begin(f"for m in range({ORDER - 1}, {ORDER + 1})")
+        w.begin(f"for m in range({self.order - 1}, {self.order + 1})")
         for row, least in rows:
             self._limit(row, least)
         w.end()
@@ -174,7 +206,8 @@ class _SeriesWriter:
                 size = horner([f"abs({c})" for c in low], reach)
                 sizes.append((guard, f"{literal(ROUNDING)} * ({size} + {self._size_of_slip(guard) or '1e-290'})"))
         for quotient, ways in self.quotients.items():
-            sizes.append((quotient, f"{literal(NEAR_POLE)} * abs({self._value(quotient)}) if {self._counts(ways)} else 1e300"))
+            near = literal(NEAR_POLE if self.order == ORDER else 2.0**-self.order)
+            sizes.append((quotient, f"{near} * abs({self._value(quotient)}) if {self._counts(ways)} else 1e300"))
         return sizes
 
     def _counts(self, ways: list[Way]) -> str:
@@ -202,7 +235,7 @@ class _SeriesWriter:
             size = self._size_of_slip(self.watched[k][1]) if k < len(self.watched) else ""
             w.line(f"_clear{k}", f"fma({literal(SLIP)}, {size}, {begin})" if size else f"1.0 * {begin}")
         w.line("_power", "1.0")
-        w.begin(f"for m in range(1, {ORDER + 1})")
+        w.begin(f"for m in range(1, {self.order + 1})")
         w.line("_power", "_power * _hh")
         for name, row, _, _ in states:
             w.line(f"{name}[m]", f"_power * {row}[m]")

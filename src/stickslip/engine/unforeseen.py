@@ -4,7 +4,7 @@ A function such as exp(-(v/v_s)^2) and all its coefficients are below rounding m
 the step. Three things keep a step honest. It ends where the argument of an exponential rises to `FLOOR`, which is found as an
 event is: as the zero of a polynomial. It keeps to a part of the distance to the nearest pole of a quotient. And when it
 has been taken its polynomial is held against the equation, at its end and between (`slopes`), and it is cut until the two agree
-(``kernels/arcs.py``). System that are polynomials of low degree, with sines of time in them, hide nothing, and pay for nothing.
+(``kernels/arcs.py``). Systems that are polynomials of low weight, with sines of time in them, hide nothing, and pay for nothing.
 """
 
 from __future__ import annotations
@@ -19,7 +19,11 @@ from stickslip.engine.write import Writer
 
 FLOOR = -45.0  # e to this is 3e-20: an exponential below it is nothing beside the friction of which it is a part
 NEAR_POLE = 1e-5  # of a quotient: its last terms in a step are at most this, which is half the way to a pole
-DEGREE = 4  # polynomials up to this degree show in the last of 16 coefficients, also where a state begins at zero
+#: A motion from rest has positions that go as t^2 and velocities as t. A product of states of a *weight* w, 2 for each position in it
+#: and 1 for each velocity, leaves every w-th coefficient of a velocity, and the one after it of a position, that are not zero.
+#: Up to these weights the last two of 16 coefficients show one of them, and the last `LAST` of the order that a varying inertia has.
+WEIGHT, WEIGHT_OF_INERTIA = 3.0, 6.0
+LAST = 6
 POINTS = 8  # of a step at which the polynomial is held against the equation: one vector
 
 #: The choices on the way to a part of an equation: what is asked, and whether it must be above zero.
@@ -27,27 +31,29 @@ Way = tuple[tuple[Sym, bool], ...]
 
 
 def hides(eq: System) -> bool:
-    """Whether a slope is no polynomial of low degree, so that something in it may come up within a step unseen."""
-    return any(_degree(eq.graph, f, {}) > DEGREE for f in eq.active)
+    """Whether a slope is no polynomial of low weight, so that something in it may come up within a step unseen."""
+    most = WEIGHT_OF_INERTIA if eq.graph.linear else WEIGHT
+    known = {eq.y[i].number: 2.0 for i in eq.positions} | {eq.t.number: 0.5}
+    return any(_weight(eq.graph, f, known) > most for f in eq.active)
 
 
-def _degree(graph: Graph, node: Sym, known: dict[int, float]) -> float:
-    """Degree of a polynomial in time and the states, in which a sine of time counts half; infinite for what is no such polynomial."""
+def _weight(graph: Graph, node: Sym, known: dict[int, float]) -> float:
+    """Weight of a polynomial in time and the states, time counts half, a sine of it nothing; infinite for any other function."""
     if node.number not in known:
         known[node.number] = 0.0 if not graph.varies(node) else 1.0 if node.op == "variable" else _composed(graph, node, known)
     return known[node.number]
 
 
 def _composed(graph: Graph, node: Sym, known: dict[int, float]) -> float:
-    degrees = [_degree(graph, a, known) for a in parts_of(node)]
+    weights = [_weight(graph, a, known) for a in parts_of(node)]
     if node.op in ("add", "subtract", "select") or node.number in graph.linear:
-        return max(degrees)
+        return max(weights)
     if node.op == "multiply":
-        return sum(degrees)
+        return sum(weights)
     if node.op in ("sin", "cos") and graph.linear:  # of an angle: all its powers of one parity follow one another
-        return degrees[0] if graph.varies(node) != {"t"} else 0.5 if degrees[0] <= 1.0 else float("inf")
-    of_time = graph.varies(node) == {"t"} and degrees[0] <= 1.0
-    return 0.5 if node.op in ("sin", "cos") and of_time else float("inf")
+        return weights[0] if graph.varies(node) != {"t"} else 0.0 if weights[0] <= 0.5 else float("inf")
+    of_time = graph.varies(node) == {"t"} and weights[0] <= 0.5
+    return 0.0 if node.op in ("sin", "cos") and of_time else float("inf")
 
 
 def active(eq: System, op: str) -> dict[Sym, list[Way]]:

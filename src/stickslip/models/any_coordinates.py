@@ -25,7 +25,7 @@ from stickslip.models.linear_equations import product, solved, total
 from stickslip.models.mechanics import SOME, Mechanics, Numbers
 from stickslip.models.placed_contacts import PlacedContact
 from stickslip.models.placed_links import PlacedLink, links_of, shares
-from stickslip.models.rails import decides, pressed_while_sliding
+from stickslip.models.rails import decides, pressed_while_sliding, reaction, yielding
 from stickslip.models.said_of_motion import Energies, inertia_of_machine, kinetic_of_machine, moving, places_of_machine
 from stickslip.models.whole_turns import is_angle
 
@@ -256,6 +256,14 @@ class AnyCoordinates(Mechanics):
     def decides(self, i: int, t: Numeric, q: Numbers, per_load: Any) -> Any:
         """Positive as long as one load of a contact follows from the motion, under friction of `per_load` for each newton of it."""
         return decides(self, i, t, q, per_load) if self.touching[i].is_held else None
+
+    def free_reaction(self, i: int, t: Numeric, q: Numbers, u: Numbers, z: Numbers | None = None) -> Any:
+        """The force of a rail along its normal without friction [N]."""
+        return reaction(self, i, t, q, u, (0.0,) * len(self.contacts), z)
+
+    def yields(self, i: int, t: Numeric, q: Numbers) -> Any:
+        """How much of the force of a rail, or of ground, its friction of one newton takes."""
+        return yielding(self, i, t, q)
 
     def difference(self, i: int) -> bool:
         """Whether several coordinates decide a slip."""

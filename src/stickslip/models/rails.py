@@ -57,6 +57,19 @@ def reaction(mechanics: Any, i: int, t: Numeric, q: Numbers, u: Numbers, R: Numb
     return total(terms)
 
 
+def weighed(mechanics: Any, i: int, t: Numeric, q: Numbers, u: Numbers, z: Numbers | None = None) -> tuple[tuple[Any, ...], Any]:
+    """The force of a rail along its normal by the accelerations of the coordinates: their coefficients, and the rest."""
+    normal, slopes, moved = mechanics.touching[i].normal_at(q), mechanics.slopes(t, q), mechanics.moved(t, q, u)
+    pulled, by, rest = shares(mechanics.placed_links, t, moved), [list[Any]() for _ in slopes], list[Any]()
+    for name in borne(mechanics, i):
+        forces, mass = mechanics.forces_on(name, t, moved[name], pulled), mechanics.placed[name].mass
+        for part, along in enumerate(normal[: len(moved[name])]):
+            for own, slope in zip(by, slopes, strict=True):
+                own.append(product(along, product(mass, slope[name][part])))
+            rest.append(product(along, total([product(mass, moved[name][part].second), product(-1.0, forces[part])])))
+    return tuple(map(total, by)), total(rest)
+
+
 def load_under(mechanics: Any, i: int, t: Numeric, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> Any:
     """The normal force under given friction forces: a rail presses on either side, ground on one [N]."""
     force = reaction(mechanics, i, t, q, u, R, z)

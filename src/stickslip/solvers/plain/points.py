@@ -74,7 +74,10 @@ class Points:
         b[:n] = right
         b[n : n + k] = [0.0 if side == FLIES else value for side, value in zip(sides, up, strict=True)]
         b[n + k :] = [0.0 if i not in self.held(sides) else value for i, value in enumerate(along)]
-        x = np.linalg.solve(E, b)
+        try:
+            x = np.linalg.solve(E, b)
+        except np.linalg.LinAlgError:
+            raise ArithmeticError("no forces follow from this combination") from None
         return Answer(sides, x[:n], x[n : n + e.k], x[n + e.k :])
 
     def _slides(self, sides: Sides) -> Array:
@@ -126,7 +129,10 @@ class Points:
         for sides in self.e.combinations:
             if any(side != FLIES for side, aloft in zip(sides, flies, strict=True) if aloft):
                 continue
-            answer = self.accelerated(sides)
+            try:
+                answer = self.accelerated(sides)
+            except ArithmeticError:
+                continue
             if self._agrees(answer, flies, now, forced, _SLACK * size):
                 return answer
         return None
