@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import accumulate, pairwise
 from typing import Any
 
@@ -26,6 +27,7 @@ from stickslip.models.machine_adapter import machine_of
 from stickslip.models.mechanics import lists_parts
 from stickslip.models.position_dependence import knows_position
 
+_ENDLESS = 1e300  # m: the scale of a position on which nothing depends
 _NO_DRIVE = 1e-12  # m/s: a velocity for steps where the drive is off and the law has no velocity of its own
 
 
@@ -132,7 +134,17 @@ def _traced(model: Model, cyclic: bool, observe: Observed, noted: bool = False) 
         cyclic=cyclic, mass=m.lift(m.equations.masses[0]), shares=_shares(m), offered=_offered(m) if m.single else None,
         free=m.accelerations({})[0], inertia=_inertia(m), apart=_apart(m, parts), **_of_controllers(m, held),
     )  # fmt: skip
+    if m.equations.joined and distance is not None:
+        eq = replace(eq, scales=_of_what_matters(eq))
     return eq if m.single and not observe and not noted else with_signals(eq, parts, observe)
+
+
+def _of_what_matters(eq: System) -> tuple[Sym | None, ...]:
+    """The scales of the states; positions on which nothing depends are as if all were the same, so that what goes on repeats."""
+    nodes = (*eq.f[: eq.positions.start], *eq.guards, *eq.sampled.values(), *eq.heights)
+    varied, endless = frozenset[str]().union(*map(eq.graph.varies, nodes)), eq.graph.constant(_ENDLESS)
+    loose = [i for i in eq.positions if eq.y[i].name not in varied]
+    return tuple(endless if i in loose else scale for i, scale in enumerate(eq.scales))
 
 
 def _apart(m: Symbolic, parts: Assembly) -> tuple[Sym, Sym] | None:

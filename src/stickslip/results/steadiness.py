@@ -228,7 +228,10 @@ def _strobe_of(model: Model, x: Array, v: Array, z: Array) -> tuple[Any, Any, An
     machine = machine_of(model)
     mechanics, speed = machine.mechanics, float(machine.free_velocity)
     way = way_of_machine(model, x)
-    apart = [x[:, 1:] - x[:, :1]] + ([way[:, None]] if _place_matters(mechanics, x) else [])
+    if mechanics.joined:
+        apart = [x[:, _that_matter(mechanics, x)]]
+    else:
+        apart = [x[:, 1:] - x[:, :1]] + ([way[:, None]] if _place_matters(mechanics, x) else [])
     inner = z.reshape(len(x), -1)
     there = ~np.isnan(inner[0])
     sizes = [_sizes(law, load, z.shape[2]) for law, load in zip(mechanics.laws, mechanics.loads(0.0, mechanics.start), strict=True)]
@@ -276,20 +279,33 @@ def way_of_machine(model: Model, x: Numeric) -> Any:
     return q @ np.array([float(share) for share in mechanics.shares])
 
 
+def _that_matter(mechanics: Any, x: Array) -> list[int]:
+    """Coordinates of a machine's own on which something depends: not those along which it just goes on."""
+    gone = np.ptp(x, axis=0)
+    return [j for j in range(mechanics.coordinates) if _differs(mechanics, x[-1], np.where(np.arange(len(gone)) == j, gone, 0.0))]
+
+
 def _place_matters(mechanics: Any, x: Array) -> bool:
     """Whether forces or loads change when the whole machine is moved as far as it went."""
-    if not mechanics.knows_place:
-        return False
+    return mechanics.knows_place and _differs(mechanics, x[-1], np.full(mechanics.coordinates, float(np.ptp(x))))
+
+
+def _differs(mechanics: Any, x: Array, far: Array) -> bool:
+    """Whether forces, loads or heights are others where coordinates are moved by so much, or by a part of it."""
     still, none = (0.0,) * mechanics.coordinates, (0.0,) * len(mechanics.contacts)
-    q, T = mechanics.coordinates_of(x[-1]), float(mechanics.period)
-    for shift in (float(np.ptp(x)), 0.37 * float(np.ptp(x))):
+    q, T = mechanics.coordinates_of(x), float(mechanics.period)
+    for part in (1.0, 0.37):
         for t in np.linspace(0.0, T, 8, endpoint=False):
             here, there = (
                 np.array(
-                    [*mechanics.accelerations(t, at, still, none), *mechanics.loads(t, at), *mechanics.control_answers(t, at, still)], float
+                    [
+                        *mechanics.accelerations(t, at, still, none), *mechanics.loads(t, at), *mechanics.control_answers(t, at, still),
+                        *(height for height, _ in mechanics.heights(t, at, still).values()),
+                    ],
+                    float,
                 )
-                for at in (q, tuple(value + shift for value in q))
-            )
+                for at in (q, tuple(value + part * by for value, by in zip(q, far, strict=True)))
+            )  # fmt: skip
             if np.any(abs(here - there) > 1e-6 * np.max(abs(here), initial=0.0)):
                 return True
     return False

@@ -23,14 +23,15 @@ from stickslip.models.machines.parts import Body, Contact, Gait, Link, Rigid, Sp
 from stickslip.models.machines.pid import PID
 from stickslip.models.machines.pulled_mass import PulledMass
 from stickslip.models.machines.servo_load import ServoLoad
+from stickslip.models.machines.shaken_box import ShakenBox
 
 __all__ = [
     "MECHANISMS", "PID", "Angle", "BlockOnBelt", "Bodies", "Body", "Chain", "Contact", "FlowContact", "ForceRig", "Forced",
-    "ForcedOscillator", "Gait", "Joint", "Link", "Machine", "Motor", "MovingTrack", "Point", "PulledMass", "Rigid", "ServoLoad", "Spring",
-    "Stop",
+    "ForcedOscillator", "Gait", "Joint", "Link", "Machine", "Motor", "MovingTrack", "Point", "PulledMass", "Rigid", "ServoLoad",
+    "ShakenBox", "Spring", "Stop",
 ]  # fmt: skip
 __dir__ = listing(__all__)
 
 _OF_ONE_CONTACT = (BlockOnBelt, ForcedOscillator, PulledMass)
 _KEEPING_THE_CONTRACT: tuple[type[OneContact], ...] = _OF_ONE_CONTACT  # mypy compares their methods
-MECHANISMS: dict[str, Any] = {cls.kind: cls for cls in (*_OF_ONE_CONTACT, Chain, Joint, MovingTrack)}
+MECHANISMS: dict[str, Any] = {cls.kind: cls for cls in (*_OF_ONE_CONTACT, Chain, Joint, MovingTrack, ShakenBox)}

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from stickslip.basics.lazy_names import listing
 from stickslip.basics.quantities import PAPER_AMPLITUDES
+from stickslip.models.presets.boxes import hopping_robot, rocking_block
 from stickslip.models.presets.capsules import capsubot, capsule
 from stickslip.models.presets.chains import two_modules, worm
 from stickslip.models.presets.joints import servo
@@ -17,8 +18,10 @@ __all__ = [
     "capsule",
     "conveyor",
     "coulomb_robot",
+    "hopping_robot",
     "piezo_beam_rig",
     "piezo_rig",
+    "rocking_block",
     "servo",
     "stick_slip_stage",
     "two_modules",
@@ -26,7 +29,20 @@ __all__ = [
 ]
 __dir__ = listing(__all__)
 
-_ALL = (piezo_rig, piezo_beam_rig, coulomb_robot, two_modules, worm, capsubot, capsule, servo, stick_slip_stage, conveyor)
+_ALL = (
+    piezo_rig,
+    piezo_beam_rig,
+    coulomb_robot,
+    two_modules,
+    worm,
+    capsubot,
+    capsule,
+    servo,
+    stick_slip_stage,
+    conveyor,
+    hopping_robot,
+    rocking_block,
+)
 #: Every preset by its name.
 PRESETS = {preset.__name__: preset for preset in _ALL}
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from stickslip.basics.contracts import Array, Model
 from stickslip.models.angular_coordinates import angles_of, unit_of_part
 from stickslip.models.machine_adapter import machine_of
+from stickslip.show.reports.plane import plane_of
 from stickslip.show.reports.servo_traces import targets_at, traces, turns
 
 if TYPE_CHECKING:
@@ -36,7 +37,8 @@ def moments(run: Trajectory, span: tuple[float, float] | None = None) -> dict[st
         body above its track [mm] (None if it cannot leave it); rows with the name of a contact or stop, its stretches (from, to, sign;
         sign 2 is a stop in contact, 3 flight) and hits, or landings; links, pairs of bodies with a flag for elastic ones; lengths and
         speeds, the units of x and v. A machine that turns about an axis has x as an angle [rad] and v in rad/s, the
-        angles that its controllers want by body (targets), and traces with name, unit and curves: angle, error, torque.
+        angles that its controllers want by body (targets), and traces with name, unit and curves: angle, error, torque. Of bodies in the
+        plane also `plane` (`stickslip.show.reports.plane`), else None.
     """
     import numpy as np
 
@@ -55,6 +57,7 @@ def moments(run: Trajectory, span: tuple[float, float] | None = None) -> dict[st
         "bodies": [_body(part, x, v, at, turns(run), milli) | {"lift": lifts.get(part["name"])} for part, x, v in _columns(run, at)],
         "rows": _rows(run, start, end, factor),
         "links": _links(run.model),
+        "plane": plane_of(run, at),
     }
 
 

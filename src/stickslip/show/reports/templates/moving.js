@@ -53,9 +53,48 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
     return item;
   }
 
+  // ---- bodies in the plane, to scale; a body of one point is a disc, and one that turns is as large as its points are apart ----
+  function plane() {
+    const { bodies, ground, links } = m.plane, far = (b) => Math.max(0, ...b.points.map(([x, z]) => Math.hypot(x, z)));
+    const xs = bodies.flatMap((b) => [...b.x.map((x) => x - far(b)), ...b.x.map((x) => x + far(b))]), zs = bodies.flatMap((b) => [...b.z.map((z) => z - far(b)), ...b.z.map((z) => z + far(b))]).concat(ground.map(([, z]) => z));
+    const [left, right, low, high] = [Math.min(...xs), Math.max(...xs), Math.min(...zs), Math.max(...zs)], edge = 34;
+    zoom = Math.min((W - 2 * edge) / (right - left || 1), 260 / (high - low || 1));
+    const X = (x) => W / 2 + zoom * (x - 0.5 * (left + right)), base = edge + zoom * (high - low), Z = (z) => base - zoom * (z - low);
+    stage.setAttribute("viewBox", `0 0 ${W} ${base + edge}`);
+    stage.setAttribute("aria-label", `${bodies.map((b) => b.name).join(", ")} in the plane`);
+    stage.replaceChildren();
+    if (ground.length) {
+      const line = [[0, ground[0][1]], ...ground.map(([x, z]) => [X(x), z]), [W, ground.at(-1)[1]]];
+      make("polyline", { points: line.map(([x, z]) => `${x.toFixed(1)},${Z(z).toFixed(1)}`).join(" "), class: "ink", fill: "none" }, stage);
+    }
+    const ties = links.map(() => make("line", { class: "spring" }, stage)), heaviest = Math.max(...bodies.map((b) => b.mass));
+    shapes = bodies.map((b, i) => {
+      const w = Math.max(0, ...b.points.map(([x]) => Math.abs(x))) * zoom, h = Math.max(0, ...b.points.map(([, z]) => Math.abs(z))) * zoom, r = Math.max(13 * Math.sqrt(b.mass / heaviest), 4), group = make("g", {}, stage);
+      const shape = b.angle && b.points.length ? make("rect", { x: -Math.max(w, 3), y: -Math.max(h, 3), width: 2 * Math.max(w, 3), height: 2 * Math.max(h, 3), rx: 2, class: "bodybox" }, group) : make("circle", { r, cy: ground.length ? -r : 0, class: "bodybox" }, group);
+      shape.style.fill = colour(i);
+      for (const [x, z] of b.points) make("circle", { cx: x * zoom, cy: -z * zoom, r: 3, class: "hub" }, group);
+      return { nodes: [group], move: (k) => `translate(${X(b.x[k]).toFixed(2)} ${Z(b.z[k]).toFixed(2)})${b.angle ? ` rotate(${((-180 * b.angle[k]) / Math.PI).toFixed(3)})` : ""}` };
+    });
+    shapes.springs = [];
+    shapes.ties = (k) => ties.forEach((tie, j) => links[j].forEach(([x, z], end) => {
+      tie.setAttribute(`x${end + 1}`, X(x[k]));
+      tie.setAttribute(`y${end + 1}`, Z(z[k]));
+    }));
+    const one = 10 ** Math.floor(Math.log10(120 / zoom));
+    make("line", { x1: W - 10 - one * zoom, x2: W - 10, y1: 12, y2: 12, class: "scale" }, stage);
+    const drawn = bodies.map((b, i) => {
+      const item = el("li"), swatch = make("svg", { viewBox: "0 0 26 10", "aria-hidden": "true" });
+      make("rect", { x: 6, y: 0, width: 14, height: 10 }, swatch).style.fill = colour(i);
+      item.append(swatch, b.name);
+      return item;
+    });
+    names.replaceChildren(...drawn, ...m.bodies.map((b, i) => keyed(`rate of ${b.name}`, colour(i), dash(i))), el("li", "", `bar: ${number(one)} mm`), el("li", "soft", "heights and ways are to scale"));
+  }
+
   // ---- the bodies on their track ----
   function draw() {
     if (m.turns) return dials();
+    if (m.plane) return plane();
     const slots = Math.max(...m.bodies.map((b) => b.place[0])) + 1, storeys = Math.max(...m.bodies.map((b) => b.place[1]));
     const slot = W / slots, most = Math.min(180, 0.6 * slot), heaviest = Math.max(...m.bodies.map((b) => b.mass));
     const wide = (b) => Math.max(most * Math.sqrt(b.mass / heaviest), 22), high = (b) => (wide(b) * 46) / most;
@@ -181,6 +220,7 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
   function at(k) {
     for (const s of shapes) for (const node of s.nodes) node.setAttribute("transform", s.move(k));
     shapes.springs.forEach(spring);
+    shapes.ties?.(k);
     for (const c of cursors) for (const end of ["x1", "x2"]) c.setAttribute(end, across(m.t[k]));
     const angles = m.turns ? ` ${m.bodies.map((b) => `${b.name} ${number(b.x[k])}`).join(", ")} ${m.lengths};` : "";
     out.textContent = `t = ${number(m.t[k])} ${m.unit};${angles} v = ${m.bodies.filter((b) => b.v).map((b) => number(zeroed(b.v[k], Math.max(...b.v.map(Math.abs))))).join(", ")} ${m.speeds}`;
