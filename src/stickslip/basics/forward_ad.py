@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable
+from contextlib import suppress
+from itertools import zip_longest
 from typing import Any
 
 import numpy as np
@@ -58,7 +60,16 @@ def _picked(holds: Any, yes: Any, no: Any) -> Any:
     """The same where what holds is known; NumPy knows nothing of numbers with slopes."""
     if isinstance(yes, Dual) or isinstance(no, Dual):
         return Truth(holds).__ss_where__(yes, no)
+    if isinstance(holds, bool) and isinstance(yes, float) and isinstance(no, float):
+        return yes if holds else no
     return np.where(holds, yes, no)
+
+
+def _sums(a: list[Any], b: list[Any]) -> list[Any]:
+    """Slopes of a sum; those that a number does not list are zero."""
+    if not b:
+        return a
+    return [x + y for x, y in zip(a, b, strict=True)] if len(a) == len(b) else [x + y for x, y in zip_longest(a, b, fillvalue=0.0)]
 
 
 def _holds(other: Any) -> Any:
@@ -79,14 +90,6 @@ class Dual:
         """The derivative by variable i."""
         return self.slopes[i] if i < len(self.slopes) else 0.0
 
-    def _with(
-        self, other: Any, value: Callable[[Any, Any], Any], left: Callable[[Any, Any], Any], right: Callable[[Any, Any], Any]
-    ) -> Dual:
-        b = self.lifted(other)
-        dl, dr = left(self.value, b.value), right(self.value, b.value)
-        count = max(len(self.slopes), len(b.slopes))
-        return type(self)(value(self.value, b.value), [dl * self.slope(i) + dr * b.slope(i) for i in range(count)])
-
     def _through(self, value: Any, slope: Any) -> Dual:
         return type(self)(value, [slope * s for s in self.slopes])
 
@@ -96,16 +99,30 @@ class Dual:
         return value if isinstance(value, cls) else cls(value, [])
 
     def __add__(self, other: Any) -> Dual:
-        return self._with(other, lambda a, b: a + b, lambda a, b: 1.0, lambda a, b: 1.0)
+        if isinstance(other, type(self)):
+            return type(self)(self.value + other.value, _sums(self.slopes, other.slopes))
+        return type(self)(self.value + other, self.slopes)
 
     def __sub__(self, other: Any) -> Dual:
-        return self._with(other, lambda a, b: a - b, lambda a, b: 1.0, lambda a, b: -1.0)
+        if isinstance(other, type(self)):
+            return type(self)(self.value - other.value, _sums(self.slopes, [-s for s in other.slopes]))
+        return type(self)(self.value - other, self.slopes)
 
     def __mul__(self, other: Any) -> Dual:
-        return self._with(other, lambda a, b: a * b, lambda a, b: b, lambda a, b: a)
+        a = self.value
+        if isinstance(other, type(self)):
+            b = other.value
+            return type(self)(a * b, _sums([b * s for s in self.slopes], [a * s for s in other.slopes]))
+        return type(self)(a * other, [other * s for s in self.slopes])
 
     def __truediv__(self, other: Any) -> Dual:
-        return self._with(other, lambda a, b: a / b, lambda a, b: 1.0 / b, lambda a, b: -a / (b * b))
+        a = self.value
+        if isinstance(other, type(self)):
+            b = other.value
+            by_a, by_b = 1.0 / b, -a / (b * b)
+            return type(self)(a / b, _sums([by_a * s for s in self.slopes], [by_b * s for s in other.slopes]))
+        by_a = 1.0 / other
+        return type(self)(a / other, [by_a * s for s in self.slopes])
 
     def __rsub__(self, other: Any) -> Dual:
         return self.lifted(other) - self
@@ -164,6 +181,9 @@ def _hook(name: str) -> Callable[[Dual], Dual]:
         value = getattr(maths, name)(self.value)
         if isinstance(value, Dual):
             return self._through(value, _SLOPES[name](self.value, value))
+        if isinstance(value, float):
+            with suppress(ZeroDivisionError):
+                return self._through(value, _SLOPES[name](self.value, value))
         with np.errstate(all="ignore"):  # in a branch that is not taken
             return self._through(value, _SLOPES[name](np.asarray(self.value), np.asarray(value)))
 

@@ -130,7 +130,9 @@ class InstantForces(Mapping[Any, Any]):
 
     def _tensions(self, name: Any) -> list[Any]:
         """Of links and elastic stops of a name, or between two bodies."""
-        m, tensions = self._mechanics, []
+        m, tensions = self._mechanics, list[Any]()
+        if not m.elastic:
+            return tensions
         own = m.names_of_links
         exactly = name in own
         for label, (ends, _), pull in zip(own, m.elastic, m.pulls, strict=True):

@@ -28,6 +28,9 @@ class _Book:
         return self.sides[k] if self.sides is not None and k < len(self.sides) else difference > 0
 
 
+_new = float.__new__
+
+
 class _Number(float):
     """A float that notes what it is compared with."""
 
@@ -35,7 +38,7 @@ class _Number(float):
     book: _Book
 
     def __new__(cls, value: float, book: _Book) -> _Number:
-        new = super().__new__(cls, value)
+        new = _new(cls, value)
         new.book = book
         return new
 
@@ -59,8 +62,12 @@ def _lifted(name: str) -> Callable[..., Any]:
     plain = getattr(float, name)
 
     def operation(self: _Number, *others: Any) -> Any:
-        result = plain(float(self), *others)
-        return _Number(result, self.book) if isinstance(result, float) else result
+        result = plain(self, *others)
+        if result is NotImplemented:
+            return result
+        new = _new(_Number, result)
+        new.book = self.book
+        return new
 
     return operation
 
