@@ -251,7 +251,7 @@ def test_compiled_functions_are_freed_with_the_last_who_holds_one(tmp_path, monk
     monkeypatch.setattr(cache, "_loaded", {})
     monkeypatch.setattr(cache, "KEPT", 1)
     held, *rest = (cache.load(source(n), "held", "a test")["part"] for n in (2, 3, 4))
-    freed = weakref.ref(rest[0]._kernel)
+    freed = weakref.ref(rest[0]._code)
     rest.clear()
     gc.collect()
     assert held(3.0) == 1.5 and freed() is None

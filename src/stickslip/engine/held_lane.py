@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -58,8 +59,10 @@ class Side:
         job = Job(_ENDLESS, _ENDLESS, False, rtol, 0.75, 1.0, whole=True)
         self.S, shared = arrays_of(kernel, row[None, :], start[None, :], job, 1, goal=_GOALS)
         shared["PIECES"] = self.pieces = np.empty((ROOM, shared["PIECES"].shape[1])) if pieces is None else pieces
-        self.shared, self.kernel, self._at, self._table = shared, kernel, address_of(shared.at), kernel.table
-        self._advance = driver.load("advance_to")
+        self.shared, self.kernel = shared, kernel
+        advance, at = driver.load("advance_to"), address_of(shared.at)
+        S, table = self.S, kernel.table
+        self._going_on = lru_cache(3)(lambda calls: advance.on(S, calls, at, table))
         self.whole, self.row, self.goal, self._job = shared["N"][0], shared["PARAM"][0], shared["GOAL"], shared["JOB"]
         self._limits = shared["LIMITS"]
         first = {name: int(kernel.table[driver.column(name)]) for name in ("F_T", "F_X", "F_Y", "F_MODE", "F_B")}
@@ -122,7 +125,7 @@ class Side:
 
     def advance(self, calls: int = SLICE) -> int:
         """Some steps: THERE, UNDER_WAY or ENDED. It waits where there is no more room for dense output (`taken` makes some)."""
-        return int(self._advance(self.S, calls, self._at, self._table))
+        return int(self._going_on(calls)())
 
     @property
     def written(self) -> int:

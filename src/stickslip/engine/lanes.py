@@ -454,8 +454,8 @@ def run(
     if not partial:
         look()
     written, todo = [], shared["JOB"]
-    at = address_of(shared.at)
-    while advance(S, slice_calls, at, k.table):
+    go_on = advance.on(S, slice_calls, address_of(shared.at), k.table)
+    while go_on():
         written.append(_taken(shared))
         if progress is not None:
             progress(int(shared["N"][0, columns.DONE] if keep_pieces else todo[columns.NEXT]))

@@ -7,7 +7,7 @@ import gc
 import itertools
 import os
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any
@@ -15,7 +15,7 @@ from typing import Any
 from stickslip.basics.errors import InputError
 from stickslip.engine.kernel_text import KernelSource
 from stickslip.engine.shared_arrays import address_of
-from stickslip.engine.signatures import BOOLEAN, FLOAT64, INT8, INT64, VOID, InMemory, Several, signature
+from stickslip.engine.signatures import BOOLEAN, FLOAT64, INT8, INT64, VOID, InMemory, Number, Several, Signature, signature
 
 _LEVEL = 3  # of optimisation
 #: Processors that STICKSLIP_CPU may name, and what they need.
@@ -179,10 +179,13 @@ class Compiled:
         with _linking:
             self._code = library.link(_loader(), f"kernel {next(_number)}")
         self.addresses: dict[str, int] = {entry: self._code[entry] for entry in source.entries}
+        self._functions = dict[str, CompiledFunction]()
 
     def __getitem__(self, name: str) -> CompiledFunction:
         """A function, by its name."""
-        return CompiledFunction(self, self.addresses[name], self.source.entries[name])
+        if name not in self._functions:
+            self._functions[name] = CompiledFunction(self._code, self.addresses[name], signature(self.source.entries[name]))
+        return self._functions[name]
 
 
 class CompiledFunction:
@@ -191,48 +194,57 @@ class CompiledFunction:
     An array of another type, or whose numbers do not stand in a row, is a `TypeError`.
     """
 
-    def __init__(self, kernel: Compiled, address: int, kind: str):
-        self._kernel = kernel
-        self._takes, self._returns, self._room, called = _prototype(kind)
-        self._call = called(address)
+    def __init__(self, code: Any, address: int, kind: Signature):
+        import numpy as np
+
+        self._code, self._returns = code, kind.returns  # machine code is freed with the last who holds it
+        self._room = _room(kind.returns) if isinstance(kind.returns, Several) else None
+        takes: list[Any] = []
+        for each in kind.takes:
+            takes += [ctypes.c_void_p, *[ctypes.c_int64] * each.axes] if isinstance(each, InMemory) else [_KINDS[each]]
+        result = None if isinstance(kind.returns, Several) else _KINDS[kind.returns]
+        self._call = ctypes.CFUNCTYPE(result, *takes, *([] if self._room is None else [ctypes.c_void_p]))(address)
+        #: Of each argument what makes a number of it, or the type and the axes of an array.
+        self._takes = [
+            (None, np.dtype(_ELEMENTS[each.number]), each.axes) if isinstance(each, InMemory) else _number_of(each) for each in kind.takes
+        ]
 
     def __call__(self, *args: Any) -> Any:
         """Its result."""
-        given: list[Any] = []
-        for (kind, element, axes), arg in zip(self._takes, args, strict=True):
-            if axes is None:
-                given.append(element(arg))
-                continue
-            if arg.dtype != element or arg.ndim != axes or not arg.flags.c_contiguous:
-                raise TypeError(f"an array of {arg.dtype} with {arg.ndim} axes is given for one of {kind.number.name} in a row with {axes}")
-            given.append(address_of(arg))
-            given += arg.shape
+        given = self._converted(args)
         if self._room is not None:
-            room = self._room()
-            self._call(*given, ctypes.addressof(room))
-            return tuple(
-                bool(part) if kind is BOOLEAN else part
-                for kind, part in zip(self._returns.numbers, (getattr(room, name) for name, _ in self._room._fields_), strict=True)
-            )
+            return self._several(given)
         result = self._call(*given)
         return bool(result) if self._returns is BOOLEAN else result
 
+    def _converted(self, args: tuple[Any, ...]) -> list[Any]:
+        """Numbers and arrays as C takes them."""
+        given = list[Any]()
+        for (number, dtype, axes), arg in zip(self._takes, args, strict=True):
+            if number is not None:
+                given.append(number(arg))
+            elif arg.dtype == dtype and arg.ndim == axes and arg.flags.c_contiguous:
+                given += address_of(arg), *arg.shape
+            else:
+                raise TypeError(f"an array of {arg.dtype} with {arg.ndim} axes is given for one of {dtype} in a row with {axes}")
+        return given
 
-@lru_cache(1024)
-def _prototype(text: str) -> tuple[list[tuple[Any, Any, int | None]], Any, Any, Any]:
-    """What functions of a signature take, with the elements and axes of arrays; what they return, where, and how they are called."""
-    kind = signature(text)
-    room, takes = _room(kind.returns) if isinstance(kind.returns, Several) else None, []
-    for each in kind.takes:
-        takes += [ctypes.c_void_p, *[ctypes.c_int64] * each.axes] if isinstance(each, InMemory) else [_KINDS[each]]
-    returned = [None, *takes, ctypes.c_void_p] if room is not None else [_KINDS[kind.returns], *takes]  # type: ignore[index]
-    taken = [(each, _ELEMENTS[each.number], each.axes) if isinstance(each, InMemory) else (each, _plain(each), None) for each in kind.takes]
-    return taken, kind.returns, room, ctypes.CFUNCTYPE(*returned)
+    def on(self, *args: Any) -> Callable[[], Any]:
+        """A call with these arrays and numbers, which costs less than one that is given them anew."""
+        given, call = self._converted(args), self._call
+        return lambda _=args: call(*given)  # the arrays stay with it
+
+    def _several(self, given: list[Any]) -> tuple[Any, ...]:
+        """Several numbers."""
+        room = self._room()
+        self._call(*given, ctypes.addressof(room))
+        parts = (getattr(room, name) for name, _ in self._room._fields_)
+        return tuple(bool(part) if kind is BOOLEAN else part for kind, part in zip(self._returns.numbers, parts, strict=True))
 
 
-def _plain(kind: Any) -> Any:
-    """What makes a number of a kind."""
-    return float if kind is FLOAT64 else int
+def _number_of(kind: Number) -> tuple[Any, None, int]:
+    """What makes an argument of a number."""
+    return (float if kind is FLOAT64 else int), None, 0
 
 
 def _room(kind: Several) -> Any:

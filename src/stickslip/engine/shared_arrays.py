@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from ctypes import addressof, c_char
 from functools import lru_cache
 from typing import Any
 
@@ -105,4 +106,7 @@ def _arranged(shapes: tuple[tuple[str, tuple[int, ...]], ...]) -> tuple[int, dic
 
 def address_of(array: Any) -> int:
     """Where the first number of an array stands."""
-    return int(array.__array_interface__["data"][0])
+    try:
+        return addressof(c_char.from_buffer(array))
+    except (TypeError, ValueError):  # it must not be written to, or has no numbers
+        return int(array.__array_interface__["data"][0])
