@@ -232,7 +232,7 @@ class CompiledFunction:
     def on(self, *args: Any) -> Callable[[], Any]:
         """A call with these arrays and numbers, which costs less than one that is given them anew."""
         given, call = self._converted(args), self._call
-        return lambda _=args: call(*given)  # the arrays stay with it
+        return lambda _=(self, args): call(*given)  # code and arrays stay with it
 
     def _several(self, given: list[Any]) -> tuple[Any, ...]:
         """Several numbers."""
