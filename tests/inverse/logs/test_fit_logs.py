@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from bam_bench import chirp, pendulum, shown, sines, swung
 from rows import each_row
 from stickslip.inverse.logs.kinds import kinds_for
 from stickslip.inverse.logs.plan import plan_of
@@ -282,8 +283,28 @@ def test_a_command_is_known_by_its_name_and_alone_with_an_angle_it_is_no_log_of_
     log = {"time_ms": 1e3 * t, "pos_deg": np.sin(t), "cmd_deg": np.sin(t)}
     rec = ss.read(log)
     assert rec["command"].name == "cmd_deg" and rec["position"].name == "pos_deg"
-    assert "unless the controller's gains are known" in plan_of([rec], {}, {}, None, {}).problem
+    assert "kp and motor_constant and resistance and inertia and gravity_torque are missing" in plan_of([rec], {}, {}, None, {}).problem
     assert plan_of([ss.read(log | {"cur_mA": np.cos(t)})], {}, {}, None, {}).kind.name == "joint"
+
+
+def test_friction_of_a_servo_from_a_file_of_command_and_angle(tmp_path, capsys):
+    """Two logs of BAM's bench with other loads, in milliseconds and degrees: within 3 standard errors, and both begin at rest."""
+    p = {"kt": 2.19, "R": 2.96, "armature": 0.0266, "friction_base": 0.1035, "friction_viscous": 0.0352}
+    t, arms, files = np.arange(0, 3, 0.01), [pendulum(mass, 0.15, 0.1) for mass in (1.0, 0.5)], []
+    for seed, (arm, command) in enumerate(zip(arms, (chirp, sines), strict=True)):
+        rows = np.column_stack([1e3 * t, np.degrees(command(t)), np.degrees(shown(swung(p, *arm, 38.0, 14.4, command(t), 0.01, 8), seed))])
+        files.append(tmp_path / f"{seed}.csv")
+        np.savetxt(files[-1], rows, fmt="%.4f", delimiter=",", header="time_ms,cmd_deg,pos_deg", comments="")
+    numbers = {"kp": 38, "supply": 14.4, "motor_constant": 2.19, "resistance": 2.96}
+    numbers |= {"inertia": [J for J, _ in arms], "gravity_torque": [G for _, G in arms]}
+    result = ss.fit(files, numbers=numbers, law="m1", starts=1)
+    for name, value in {"motor_inertia": 0.0266, "load.base": 0.1035, "load.viscous": 0.0352}.items():
+        assert abs(result.values[name] - value) < 3 * result.fit.errors[name] < value, name
+    assert not any("begins with" in said for said in result.fit.warnings)
+    made = {}
+    exec(result.python, made)
+    assert made["fit"].values == result.values and result.machine == "servo" and result.supported
+    assert result.plot().get_xlabel().startswith("time")
 
 
 def test_a_law_of_a_fitted_log_is_exported_and_refused_in_amperes():

@@ -28,7 +28,7 @@ _STEP = 1e-5  # of the distance between the bounds: differences for derivatives
 _EXACT = 1e-6  # of the range of an angle: noise that is left to a simulation, of which a record may be one
 _KEPT = 256  # motions of each log that are remembered
 _RESTS = 1e-6  # of the largest velocity: less is that of a servo at rest
-_FIRST = 8  # samples at the beginning that say how fast the motion begins
+_FIRST, _VERY_FIRST = 8, 4  # samples at the beginning that say how fast the motion begins, and those of them that must go that way
 _MOVES = 5.0  # standard errors of that velocity above which the motion does not begin at rest
 
 
@@ -149,12 +149,22 @@ def _noise(y: Array) -> float:
 
 
 def _rate(t: Array, y: Array) -> float:
-    """The velocity at the first sample, where the first ones clearly move; else zero."""
-    s, first = t[:_FIRST] - t[0], y[:_FIRST]
-    columns = np.stack([np.ones(len(s)), s, s**2], axis=1)
-    numbers, *_ = np.linalg.lstsq(columns, first, rcond=None)
-    error = _noise(y) * np.sqrt(np.linalg.inv(columns.T @ columns)[1, 1])
-    return float(numbers[1]) if abs(numbers[1]) > _MOVES * error else 0.0
+    """The velocity at the first sample, where the first ones clearly move; else zero.
+
+    A motion that begins at rest and then goes faster than its square of time has a parabola that begins backwards: the first few samples
+    must go the same way.
+    """
+    level = _noise(y)
+    rate, error = _slope(t[:_FIRST], y[:_FIRST], 2)
+    before, its_error = _slope(t[:_VERY_FIRST], y[:_VERY_FIRST], 1)
+    return rate if abs(rate) > _MOVES * level * error and before * np.sign(rate) > level * its_error else 0.0
+
+
+def _slope(t: Array, y: Array, order: int) -> tuple[float, float]:
+    """The slope at the first value of a polynomial through some, and its standard error for values with a noise of 1."""
+    columns = (t - t[0])[:, None] ** np.arange(order + 1)
+    numbers, *_ = np.linalg.lstsq(columns, y, rcond=None)
+    return float(numbers[1]), float(np.sqrt(np.linalg.inv(columns.T @ columns)[1, 1]))
 
 
 @dataclass(eq=False)

@@ -40,19 +40,19 @@ def fit(
     """Fit friction laws to a file: roles, units, machine and law are proposed, and what was decided is in the result.
 
     The machine follows from what was measured: a force over a motion is a friction rig, a torque or a current over an angle a joint, a
-    velocity alone a shaken robot. Tables without times are known too: forces over speeds are a bench, and mean speeds over amplitude and
-    frequency a shaken robot. Laws are compared by `ss.identification.rank`, and one coefficient is that of both directions unless
-    `asymmetric`.
+    commanded angle beside the measured one a servo, a velocity alone a shaken robot. Tables without times are known too: forces over
+    speeds are a bench, and mean speeds over amplitude and frequency a shaken robot. Laws are compared by `ss.identification.rank`, and
+    one coefficient is that of both directions unless `asymmetric`.
 
     Parameters
     ----------
     file : str, Path, Record, data frame, or a list of them
         One file, or several of the same machine.
-    machine : {"rig", "slider", "joint", "robot", "bench", "speeds"}, optional
+    machine : {"rig", "slider", "joint", "servo", "robot", "bench", "speeds"}, optional
         The kind of machine, where the file leaves it open.
     law : str, optional
         One law instead of a comparison: "coulomb", "coulomb-viscous", "stribeck", "dahl" or "lugre"; of a robot "coulomb",
-        "coulomb-static" or "lugre".
+        "coulomb-static" or "lugre"; of a servo by its command "m1" to "m6", the models of BAM (`stickslip.machines.ServoLoad`).
     numbers : dict, optional
         What is known of the machine, in SI units or with a unit: ``{"load": 20.0}``, ``{"amplitude": "0.5 mm", "tilt_deg": 1.7}``,
         ``{"motor_constant": 0.05}``; of shaken robots a list has one for each file: ``{"amplitude": [5e-4, 8e-4], "tilt_deg": 1.7}``.

@@ -6,13 +6,14 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from stickslip.basics.errors import InputError, did_you_mean
+from stickslip.inverse.logs.commanded_servos import CommandedServo
 from stickslip.inverse.logs.machines import JointLog, Kind, Rig, Shaken, Slider, over_time
 from stickslip.inverse.logs.tables import Bench, Speeds
 
 if TYPE_CHECKING:
     from stickslip.records.record import Record
 
-KINDS: tuple[Kind, ...] = (Rig(), Slider(), JointLog(), Shaken(), Bench(), Speeds())
+KINDS: tuple[Kind, ...] = (Rig(), Slider(), JointLog(), CommandedServo(), Shaken(), Bench(), Speeds())
 
 
 def kinds_for(records: Sequence[Record]) -> dict[str, tuple[Kind, str]]:

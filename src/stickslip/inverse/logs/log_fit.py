@@ -165,8 +165,9 @@ class LogFit(Face):
         return Text(over_motor_constant(text) if self.in_amperes else text)
 
     def plot(self, record: int = 0, ax: Ax = None) -> Any:
-        """Friction against velocity: the measured cloud and the law; returns the axes."""
-        return presenter("figure", "friction_curve")(self.fit, record, ax)
+        """Friction against velocity, the measured cloud and the law; without a torque the angle over time; returns the axes."""
+        figure = "over_time" if self.fit.problem.targets[0].kind == "angle" else "friction_curve"
+        return presenter("figure", figure)(self.fit, record, ax)
 
     def save(self, folder: str | Path) -> list[Path]:
         """Write figures, report and Python into a folder; returns the paths.

@@ -149,7 +149,7 @@ _OVER_MOTION: dict[str, tuple[Any, Callable[[Sizes, float], dict[str, tuple[Any,
 }
 
 
-def _rounded(bounds: tuple[Any, ...]) -> tuple[Any, ...]:
+def rounded_bounds(bounds: tuple[Any, ...]) -> tuple[Any, ...]:
     """Bounds to two digits, as a person would type them."""
     return tuple(float(f"{each:.1e}") if isinstance(each, float) else each for each in bounds)
 
@@ -185,7 +185,7 @@ class Rig(Kind):
             mend = 'type numbers={"load": 20}, or mend its sign'
             raise InputError("fit", [f"the normal force is {load:.3g} N; allowed is a positive one; {mend}"])
         free = {"mu": (_LEAST * of.force / load, _MOST * of.force / load)} | more(of, load)
-        bounds = _sides({name: _rounded(each) for name, each in free.items()}, asymmetric)
+        bounds = _sides({name: rounded_bounds(each) for name, each in free.items()}, asymmetric)
         # numbers without effect, which are not sought
         rest = {"sigma1": 0.0, "sigma2": 0.0, "exponent": 2.0 if cls is Stribeck else 1.0}
         own = {f: value for f, value in rest.items() if f in inspect.signature(cls).parameters}
@@ -245,7 +245,7 @@ class JointLog(Kind):
         free: dict[str, tuple[Any, ...]] = {"inertia": (1e-4 * of.force / of.acceleration, _MOST * of.force / of.acceleration)}
         free |= {"gravity_torque": (-_MOST * of.force, _MOST * of.force)} if turns else {}
         free |= {f"friction.{name}": bounds for name, bounds in ({"mu": (0.0, _MOST * of.force)} | more(of, 1.0)).items()}
-        free = {name: _rounded(bounds) for name, bounds in free.items() if name not in given}
+        free = {name: rounded_bounds(bounds) for name, bounds in free.items() if name not in given}
         example = {name: _middle(bounds) for name, bounds in free.items()}
         friction = {name.removeprefix("friction."): value for name, value in example.items() if name.startswith("friction.")}
         law_made = cls(**friction, **({"exponent": 2.0} if cls is Stribeck else {}))

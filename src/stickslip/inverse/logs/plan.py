@@ -18,13 +18,8 @@ if TYPE_CHECKING:
     from stickslip.records import Record
 
 _WANTED = (
-    "a force over a position or velocity, a torque or a current over an angle, a velocity over time, or a table of forces over speeds"
-    " or of mean speeds over amplitude and frequency"
-)
-_COMMANDED = (
-    "a command and an angle without a torque or a current say nothing about friction unless the controller's gains are known: "
-    "ss.identify(record, ss.Joint(..., control=ss.machines.PID(kp=..., ki=..., kd=..., target=0.0)), free={...}) in Python fits them, as "
-    'in "Command and angle only" on the page docs/servo.md; with a torque or a current in the log stickslip fit does'
+    "a force over a position or velocity, a torque or a current over an angle, a command beside an angle, a velocity over time, "
+    "or a table of forces over speeds or of mean speeds over amplitude and frequency"
 )
 
 
@@ -116,8 +111,6 @@ def _unsuited(records: Sequence[Record]) -> str:
     if timed := kinds_but_for_times(records):
         what = timed[0].words.partition(":")[0]
         return f"the file has no times, and looks like {what}, whose motion needs them; type rate=1000.0 with the samples per second"
-    if all("command" in rec and "position" in rec for rec in records):
-        return _COMMANDED
     return f'no machine suits the file: it needs {_WANTED}; type roles={{"...": "force"}} where a channel is one'
 
 

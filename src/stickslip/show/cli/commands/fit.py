@@ -22,12 +22,14 @@ _HERE = ("--unit", "--role", "--columns", "--rate", "--scale", "--separator", "-
     more="""\
 example: stickslip fit servo.log --out servo
          stickslip fit rig.csv --unit Kraft=N --unit Weg=mm --set load=20 --law stribeck
+         stickslip fit servo.csv --set kp=38 --set motor_constant=2.1 --set resistance=3 --set inertia=0.023 --set gravity_torque=1.5
          stickslip fit robot.csv --set amplitude=0.5mm --set tilt_deg=0 --set body_mass=60g --set inner_mass=10g --asymmetric
 
-A force over a motion is a friction rig, a torque or a current over an angle a joint, a velocity alone a shaken robot.""",
+A force over a motion is a friction rig, a torque or a current over an angle a joint, a commanded angle beside the measured one a servo,
+a velocity alone a shaken robot.""",
     arguments=(
         argument("files", metavar="FILE", nargs="+", help="a log in any format that ss.read reads; several are fitted together"),
-        argument("--machine", metavar="NAME", help="rig, slider, joint or robot (default: what the file has)"),
+        argument("--machine", metavar="NAME", help="rig, slider, joint, servo or robot (default: what the file has)"),
         argument("--law", metavar="NAME", help="one law, such as stribeck (default: several are compared)"),
         argument(
             "--set",
