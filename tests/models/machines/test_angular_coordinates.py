@@ -117,6 +117,32 @@ class Pole(Hung):
         return {"rail": ss.Contact("cart", ss.Coulomb(0.1, 0.1), load=13.0)}
 
 
+@dataclass(frozen=True, eq=False)
+class Spun(ss.Machine):
+    """A torque turns an arm on and on."""
+
+    length: float
+    torque: float
+    omega: float = 3.0
+    coordinates = ("angle",)
+
+    @property
+    def period(self):
+        return 2 * pi / self.omega
+
+    def bodies(self):
+        return {"bob": ss.Body(0.5)}
+
+    def places(self, t, q):
+        return {"bob": (self.length * sin(q["angle"]), -self.length * cos(q["angle"]))}
+
+    def contacts(self):
+        return {"pin": ss.Contact("angle", ss.Coulomb(0.1, 0.1), load=1.0)}
+
+    def forces(self, t, q, u):
+        return {"angle": self.torque * (1.0 + 0.5 * cos(self.omega * t)) - 0.3 * u["angle"]}
+
+
 class Sprung(Pole):
     """Its torsion spring tells one turn from the next."""
 
@@ -130,6 +156,8 @@ def test_motions_whole_turns_apart_are_one_attractor():
     starts = {"v.angle": [0.0], "x.angle": [0.5, 0.5 + 2 * pi, 0.5 - 4 * pi]}
     (only,) = ss.basins(Pole(), **starts).attractors
     assert only.share == 1.0
+    (locked,) = ss.basins(Spun(0.05, 1.0), **{"v.angle": [8.0]}, settle=60).attractors
+    assert locked.kind == "periodic" and locked.mean_velocity == pytest.approx(3.0, rel=1e-9)  # a turn in each period
     assert turning(machine_of(Pole())) == (1,) and turning(machine_of(Sprung())) == () and turning(machine_of(Hung())) == (1,)
 
 

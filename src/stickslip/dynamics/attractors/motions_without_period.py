@@ -92,14 +92,19 @@ class GroupOfStarts:
 
     def _winds(self, long: Array) -> bool:
         """Whether strobe points wind round one closed curve; some are looked at for longer, to tell a winding from a fraction beside it."""
-        free = self.at.free
-        if winding_number(long[:, free]) is not None:
+        if winding_number(self._on_circles(long)) is not None:
             return True
         if not self.longer:
             return False
         self.longer -= 1
         more = strobe_orbit(self.model, long[-1:, :-1], _LONG - len(long), self.rtol, self.at)[0][:, 0]
-        return winding_number(np.vstack([long[:, free], more[:, free]])) is not None
+        return winding_number(np.vstack([self._on_circles(long), self._on_circles(more)])) is not None
+
+    def _on_circles(self, points: Array) -> Array:
+        """What varies of strobe points, with angles as points on a circle: an angle that turns on makes a closed curve too."""
+        states = points[:, : len(self.at.scales)]
+        whole = self.at.embedded(states)[0]
+        return whole[:, [*self.at.free, *range(states.shape[1], whole.shape[1])]]
 
     def _closes_in(self, i: int) -> bool:
         """Whether a start closes in on a stable orbit; if so, it has the strobe points of that orbit from now on."""
@@ -184,7 +189,9 @@ def _carried(at: Coordinates, long: Array, points: Array, derivative: Array) -> 
 
 def _agree(long: Array, at: Coordinates) -> bool:
     """Whether weighted means and mean squares of two halves of a stretch agree, in terms of its spread."""
-    _, errors, spread = smooth_means(long[:, : at.smooth] / at.scales[: at.smooth])
+    points, scales = at.embedded(long[:, : len(at.scales)])
+    kept = [*range(at.smooth), *range(len(at.scales), points.shape[1])]
+    _, errors, spread = smooth_means(points[:, kept] / scales[kept])
     return bool(np.all(errors <= _AGREE * np.maximum(spread, 1e-9)))
 
 

@@ -109,7 +109,7 @@ class StartsRun:
         watched.kind[rows] = np.where(period > 0, PERIODIC, np.where(fine, UNSETTLED, UNSOLVED))
         self.left = rows[fine & (period == 0) & ~self._gone(rows)]
         with np.errstate(invalid="ignore"):
-            self.sizes.append(np.max(abs(watched.points[:, -1]) / self.at.scales, axis=1))
+            self.sizes.append(np.max(abs(self.at.wrapped(watched.points[:, -1])) / self.at.scales, axis=1))
 
     def _gone(self, rows: Array) -> Array:
         """Which starts never come back to the section, and still move: they are not run on, as more returns show nothing else."""
