@@ -15,7 +15,6 @@ from stickslip.engine import lanes, law_checks as checks
 from stickslip.engine.kernels.columns import SEGS as SEGMENTS
 from stickslip.engine.slaved import Series
 from stickslip.engine.tableaux import Tableau
-from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import MachineAdapter, machine_of
 from stickslip.models.state_layout import StateLayout
 from stickslip.results.dense_output import PolynomialPieces
@@ -70,7 +69,7 @@ def _stopped(todo: Request, results: lanes.Results, kernel: lanes.Kernel, table:
     done = "" if todo.model.period is None else f" after {results.periods_run[case]} of {todo.periods} periods,"
     where = stopped.location(mechanics, t, u[case], sides, q[case])
     remedy = stopped.remedy(status, todo.rtol, bool(mechanics.stops))
-    state = _state(todo, results.end[case], table.offsets[case], kernel.layout)
+    state = _state(results.end[case], table.offsets[case], kernel.layout)
     return stopped.stopping_message(status, f"{done.lstrip()} {where}".strip(), state, remedy)
 
 
@@ -83,13 +82,13 @@ def _failures(todo: Request, results: lanes.Results, kernel: lanes.Kernel, table
     return {i: _stopped(todo, results, kernel, table, i, t, None) for i, t in times.items()}
 
 
-def _state(todo: Request, end: Any, offsets: Any, layout: StateLayout) -> str:
+def _state(end: Any, offsets: Any, layout: StateLayout) -> str:
     """The state at which a run stopped, each number with its name and unit."""
-    if todo.machine.names_parts:
+    if not layout.single:
         velocities = end[1 : 1 + len(offsets)] + offsets
         values = [*velocities, *end[1 + len(velocities) :]]
         return ", ".join(f"{name} = {float(value):.9g}" for name, value in zip(layout.names, values, strict=False))
-    inner = law_of(todo.model).states
+    inner = layout.most_inner
     z = [f"z{k}" for k in range(inner)] if inner > 1 else ["z"] * inner
     values = [float(end[0]), float(end[1] + offsets[0]), *map(float, end[2 : 2 + inner])]
     return ", ".join(f"{name} = {value:.9g}" for name, value in zip(["x [m]", "v [m/s]", *z], values, strict=True))
