@@ -120,12 +120,13 @@ def test_driven_and_undriven_runs_do_not_share_axes(run):
         ss.plot.phase([run, ss.solve(belt(), duration=5.0)])
 
 
-def test_branches_of_limit_cycles_are_drawn_by_how_long_they_take():
+def test_branches_of_limit_cycles_are_drawn_by_their_amplitude():
     branch = ss.continuation(belt(), parameter="speed", start=0.08, stop=0.12)
     ax = ss.plot.continuation([branch])
-    assert (ax.get_xlabel(), ax.get_ylabel()) == ("speed of the belt or of the pull $u$ (mm/s)", "duration of the cycle (s)")
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("speed of the belt or of the pull $u$ (mm/s)", "amplitude of the cycle (mm)")
     assert [t.get_text() for t in ax.get_legend().get_texts()] == ["limit cycle"]
-    assert ax.lines[0].get_ydata()[0] == pytest.approx(branch.orbits[0].duration)
+    assert ax.lines[0].get_ydata()[0] == pytest.approx(1e3 * branch.orbits[0].amplitude)
+    assert ss.plot.continuation(branch, observable="duration").get_ylabel() == "duration of the cycle (s)"
     still = ss.plot.continuation(branch, observable="mean_velocity")
     assert still.get_ylabel() == "mean velocity $V$ (m/s)" and not np.nansum(abs(still.lines[0].get_ydata()))  # 0, not its rounding
     assert ss.plot.continuation(branch, observable="x").get_ylabel() == "turning point of the spring $x$ (mm)"
