@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from stickslip.models.forces import normal_load
+from stickslip.models.normal_loads import normal_load
 
 ORDER, LONGEST, ROUNDING = 20, 1 / 40, 1e-17
 
