@@ -19,6 +19,7 @@ from stickslip.engine.graphs import Substituted
 from stickslip.engine.linear_systems import shorter, solution
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Branches, TracedContact
+from stickslip.models.friction.law_adapter import TINY
 from stickslip.models.linear_equations import determinant, product, total
 from stickslip.models.rails import weighed
 
@@ -112,7 +113,8 @@ class SolvedLoad:
         if self.contact.pushes:  # friction goes to the side of the slip
             pairs = ((self.one, forwards), (-self.one, -backwards))
             return [graph.select(-side * self.mode, self.one, self._border(self.slope * of)) for side, of in pairs]
-        first, second = (self.in_mode(of, 0.0) for of in (forwards, backwards))
+        law = self.m.laws[self.i]
+        first, second = self.m.lift(law.sliding(TINY, 1.0)), -self.m.lift(law.sliding(-TINY, 1.0))  # about to slip
         largest = self.slope * graph.by_side(self.mode, forwards, backwards, graph.select(first - second, first, second))
         return [self._border(largest), self._border(-largest)]
 

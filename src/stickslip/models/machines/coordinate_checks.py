@@ -13,14 +13,13 @@ from stickslip.basics.fields import checked_number, everywhere
 from stickslip.basics.time_rates import Moving
 from stickslip.models.any_coordinates import AnyCoordinates
 from stickslip.models.forces import check_law
-from stickslip.models.friction.law_adapter import TINY, is_affine
+from stickslip.models.friction.law_adapter import is_affine
 from stickslip.models.machines.link_checks import check_links, check_placed_links
 from stickslip.models.machines.parts import Body, Contact
 from stickslip.models.placed_contacts import PlacedContact
 from stickslip.models.rails import loose
 from stickslip.models.said_of_motion import inertia_of_machine, kinetic_of_machine, places_of_machine
 
-_SAME = 1e-9  # of its size: how much static friction may differ from kinetic
 _FLAT = 1e-12  # of the product of a matrix's diagonal: a determinant that is zero
 _LOOKS = 3
 _FLAT_ROWS = 1e-9  # of their largest part: rows of which one follows from the others
@@ -229,11 +228,6 @@ def _check_rail(m: AnyCoordinates, i: int, problems: Problems) -> None:
         problems.add(f"{where}: {law.name} has inner states, and its friction and its load would follow from one another; {type_load}")
     elif not is_affine(law) or any(not everywhere(abs(law.sliding(side, 0.0)) == 0.0) for side in (1.0, -1.0)):
         problems.add(f"{where}: the friction of {law.name} is not proportional to the load, as that of ss.Coulomb is; {type_load}")
-    elif any(
-        not everywhere(abs(limit - law.sliding(side * TINY, 1.0)) <= _SAME * abs(limit) + TINY)
-        for side, limit in zip((-1.0, 1.0), law.breakaway(1.0), strict=True)
-    ):
-        problems.add(f"{where}: static friction above kinetic is not there yet with a load that follows from the motion; {type_load}")
 
 
 def _check_row(name: str, contact: PlacedContact, problems: Problems) -> None:

@@ -117,15 +117,21 @@ class OwnRoute:
         h = [of - sum(slip.row[j] * force for slip, force in zip(slips, R, strict=True)) for j, of in enumerate(state.h)]
         return self._moved(state.shape, h, self._keeping(aloft, state.shape))[0]
 
-    def load(self, i: int, t: float, q: Sequence[Any], u: Sequence[Any], z: Any = None, side: int | None = None) -> Any:
-        """Normal force on a contact [N]: what it says, or what its motion needs while it slips to its side, or to a given one."""
+    def load(
+        self, i: int, t: float, q: Sequence[Any], u: Sequence[Any], z: Any = None, side: int | None = None, rests: bool = False
+    ) -> Any:
+        """Normal force on a contact [N]: what it says, or what its motion needs while it slips to its side, or to a given one.
+
+        Or while it `rests`, and bears on that side what it can.
+        """
         contact = self.given[i]
         if not self.mechanics.touching[i].is_held:
             return contact.load(t, self._named(q)) if callable(contact.load) else contact.load
         state = self.state(t, q, u, z)
         free, by = self._pressing(i, state)
         way = 1.0 if contact.hold == "push" or noting(free, u[0]) > 0.0 else -1.0
-        left = 1.0 + self.per_load(i, t, q, u, side) * way * by
+        friction = float(self.mechanics.laws[i].breakaway(1.0)[side == 1]) if rests else self.per_load(i, t, q, u, side)
+        left = 1.0 + friction * way * by
         return way * free / left if left else math.inf
 
     def border(self, i: int, t: float, q: Sequence[Any], u: Sequence[Any], side: int) -> float | None:

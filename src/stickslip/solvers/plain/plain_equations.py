@@ -62,10 +62,11 @@ class Rates:
 
 @dataclass(frozen=True)
 class Pressed:
-    """Normal forces of all contacts, if they go forwards or are about to, and backwards [N]."""
+    """Normal forces of all contacts, if they go forwards or are about to, and backwards [N]; and those of rests that bear what they can."""
 
     forwards: Floats
     backwards: Floats
+    at_limits: tuple[Floats, Floats] | None = None
 
     def on(self, sides: Sequence[int]) -> Floats:
         """Those of the sides on which contacts are; of one that rests the one forwards."""
@@ -108,6 +109,7 @@ class Equations:
         self.forces, self.pressing = Watching(self._moved), Watching(self._pressed if self.of_motion else mechanics.loads)
         self.last_state: tuple[Any, ...] = ()
         self.last_loads: tuple[Floats, Floats] = ([], [])
+        self.last_limits: tuple[Floats, Floats] | None = None  # of contacts that rest and bear what they can
         self.largest: tuple[dict[int, float], dict[int, float]] = ({}, {})  # difference that each condition has seen
 
     def _weigh(self, weights: list[Floats]) -> None:
@@ -257,14 +259,18 @@ class Equations:
         state = (kinks, self.time(t), *map(tuple, of))
         if state != self.last_state:  # the guards of one instant ask several times
             both = self.pressing(kinks, self.time(t), *of)
-            self.last_state, self.last_loads = state, (both[: self.k], both[self.k :]) if self.of_motion else (both, both)
+            self.last_state, self.last_loads = state, (both[: self.k], both[self.k : 2 * self.k]) if self.of_motion else (both, both)
+            self.last_limits = (both[2 * self.k : 3 * self.k], both[3 * self.k :]) if len(both) > 2 * self.k else None
         return self.last_loads
 
     def _pressed(self, t: float, q: Any, u: Any, z: Any) -> list[Any]:
         """Loads of all contacts with their slips held forwards, then backwards."""
         if self.mechanics.joined:
             rests = [not law.dynamic for law in self.laws]
-            return [self.own.load(i, t, q, u, z, side if rests[i] else None) for side in (1, -1) for i in range(self.k)]
+            asked = [(side, still) for still in (False, True) for side in (1, -1)]
+            return [
+                self.own.load(i, t, q, u, z, side if rests[i] else None, still and rests[i]) for side, still in asked for i in range(self.k)
+            ]
         loads = []
         for side in (1, -1):
             for i, w in enumerate(self.mechanics.slips(t, [float(v) for v in u])):
@@ -287,7 +293,8 @@ class Equations:
     def pressed(self, t: float, y: ArrayLike, mode: ContactModes) -> Pressed:
         """Normal forces on contacts that go forwards, and backwards; positive also a moment after a contact is lost, for steps look on."""
         forwards, backwards = self._by_side(t, y, mode.kinks[1])
-        return Pressed(self.kept_positive(forwards), self.kept_positive(backwards))
+        limits = self.last_limits and (self.kept_positive(self.last_limits[0]), self.kept_positive(self.last_limits[1]))
+        return Pressed(self.kept_positive(forwards), self.kept_positive(backwards), limits)
 
     def kept_positive(self, loads: Floats) -> Floats:
         """Loads that are not less than next to nothing."""
@@ -295,7 +302,7 @@ class Equations:
 
     def limits(self, loads: Pressed) -> list[tuple[float, float]]:
         """Static friction limits in each row [N]; a contact under a dynamic law never rests."""
-        sides = list(zip(self.laws, loads.forwards, loads.backwards, strict=True))
+        sides = list(zip(self.laws, *(loads.at_limits or (loads.forwards, loads.backwards)), strict=True))
         own = [(0.0, 0.0) if law.dynamic else (float(law.breakaway(b)[0]), float(law.breakaway(a)[1])) for law, a, b in sides]
         return [*own, *((-math.inf, 0.0) for _ in self.stops)]
 
