@@ -69,6 +69,17 @@ def test_friction_inertia_and_motor_of_a_servo_from_one_log():
     assert "angle: rms" in fit.report() and set(fit.sensor) == {"delay", "zero", "begin"}
 
 
+def test_a_friction_that_is_not_there_ends_at_zero_and_is_no_fault():
+    """A servo without Coulomb friction: base = 0 is supported where it stands alone, and superfluous beside the law without it."""
+    rec = log({**M1, "friction_base": 0.0}, 1.0, chirp, 3.0, seed=4)
+    free = {"motor_inertia": (1e-3, 0.1), "load.viscous": (0.0, 0.3)}
+    fits = {name: ss.identify(rec, servo().replace({"load.base": begin}), free=free | more, starts=1)
+            for name, begin, more in (("viscous", 0.0, {}), ("with base", 0.05, {"load.base": (0.0, 0.3)}))}  # fmt: skip
+    both, ranking = fits["with base"], ss.identification.rank(fits)
+    assert both.point[2] < 1e-6 and faults(both) == [] and any("it is not negative" in said for said in both.warnings)
+    assert ranking.supported == ("viscous",) and any("viscous has fewer numbers" in fault for fault in ranking.rows[1].faults)
+
+
 def test_angles_that_a_model_cannot_follow_within_their_noise_leave_no_narrow_interval():
     """With a tenth too much gravity: the noise of an angle shows by itself, residuals are beyond it, and intervals grow by that."""
     rec, gravity = log(M1, 1.0, chirp, 4.0, seed=3), pendulum(1.0, 0.15, 0.1)[1]

@@ -14,7 +14,7 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.notebook_display import Drawn
 from stickslip.inverse.identification.covariance import effective
 from stickslip.inverse.identification.fit import Fit
-from stickslip.inverse.identification.uncertainty import faults
+from stickslip.inverse.identification.uncertainty import at_zero, faults
 from stickslip.models.machine_adapter import machine_of
 
 if TYPE_CHECKING:
@@ -168,7 +168,7 @@ def rank(fits: Sequence[Fit] | dict[str, Fit], held_out: dict[str, Sequence[floa
                 parts[label][1] - least[1],
                 float(weights[label] / total),
                 outside[label],
-                tuple(faults(fit)),
+                (*faults(fit), *_superfluous(fit, label, named, parts)),
             )
             for label, fit in named.items()
         ),
@@ -176,6 +176,14 @@ def rank(fits: Sequence[Fit] | dict[str, Fit], held_out: dict[str, Sequence[floa
     )
     supported, decided, verdict = _verdict(rows, held_out)
     return Ranking(tuple(rows), decided, verdict, independent, count, supported)
+
+
+def _superfluous(fit: Fit, label: str, named: dict[str, Fit], parts: dict[str, tuple[float, float]]) -> list[str]:
+    """Numbers that end at zero where a law with fewer numbers fits no worse: the law is then that one with a part that does nothing."""
+    simpler = [
+        other for other, each in named.items() if each.fitted < fit.fitted and parts[other][0] <= parts[label][0] and not faults(each)
+    ]
+    return [f"{name} ends at its bound 0, and {simpler[0]} has fewer numbers" for name in at_zero(fit)] if simpler else []
 
 
 @explains_arguments

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError
 from stickslip.basics.information import Information
 from stickslip.basics.notebook_display import sure
 from stickslip.basics.phrases import listed
@@ -223,7 +224,7 @@ def faults(fit: Fit) -> list[str]:
     """Why a fit is not that of a law which holds: an interrupted search, numbers at bounds, residuals that are not noise."""
     reasons = ["the search was interrupted"] if fit.stopped else []
     reasons += [*_before_a_minimum(fit), *_coarse(fit)]
-    reasons += [f"{name} ends at its bound {fit.values[name]:.5g}" for name in _at_bounds(fit)]
+    reasons += [f"{name} ends at its bound {fit.values[name]:.5g}" for name in _at_bounds(fit) if name not in at_zero(fit)]
     reasons += _against_what_is_known(fit)
     reasons += [*_sensors_at_bounds(fit), *_misfit_of_means(fit)]
     return reasons + [f"{q.label}: {q.excess}" for q in fit.quality if q.suspicious]
@@ -287,8 +288,25 @@ def _at_bounds(fit: Fit) -> list[str]:
     return [name for name in names if min(inner[name], 1 - inner[name]) < _AT_BOUND]
 
 
+def at_zero(fit: Fit) -> list[str]:
+    """Parameters that end at zero, below which the model has none: the part that they belong to is not there, which is no fault."""
+    return [name for name in _at_bounds(fit) if fit.problem.parameters.free[fit.names.index(name)].low == 0.0 and _no_less(fit, name)]
+
+
+def _no_less(fit: Fit, name: str) -> bool:
+    """Whether the model refuses a parameter below zero."""
+    free = fit.problem.parameters.free[fit.names.index(name)]
+    try:
+        fit.problem.parameters.model({**fit.values, name: -1e-3 * free.high}, 0)
+    except InputError:
+        return True
+    return False
+
+
 def _at_bound(fit: Fit, k: int) -> str:
     """The consequence of a parameter that ends at a bound."""
+    if fit.names[k] in at_zero(fit):
+        return "it is not negative, and these data show nothing that would need it"
     if min(fit.point[k], 1 - fit.point[k]) < _AT_BOUND:
         return "widen the bound, or these data do not determine it"
     return "its law allows no less (or no more) beside the other numbers, and these data show nothing that would need it"
