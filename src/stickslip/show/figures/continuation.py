@@ -204,7 +204,7 @@ def _jumps(branch: Any) -> Array:
     loose = [s.value for s in branch.special if s.kind == "type-border" and s.accuracy > _LOOSE * span]
     model = branch.orbits[0].model
     of_parts = adapter_of(model).has_bodies and machine_of(model).names_parts  # of each contact one
-    patterns = [str(orbit.patterns if of_parts else orbit.pattern) for orbit in branch.orbits]
+    patterns = [str(orbit.patterns if of_parts else orbit.pattern) for orbit in branch.orbits] if loose else [""] * len(x)
     between = [any(min(a, b) - _LOOSE * span <= value <= max(a, b) + _LOOSE * span for value in loose) for a, b in pairwise(x)]
     return np.array([False, *(near and a != b for near, (a, b) in zip(between, pairwise(patterns), strict=True))])
 

@@ -184,6 +184,7 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
     for (let k = 0; k * step <= end * (1 + 1e-9); k++) {
       const last = (k + 1) * step > end * (1 + 1e-9), tick = el("small", "", number(k * step, 3) + (last ? ` ${m.unit}` : ""));
       tick.style.left = `${(100 * k * step) / end}%`;
+      if (k * step > 0.9 * end) tick.className = "last"; // its text ends there, so that nothing sticks out
       ticks.append(tick);
     }
     scale.append(el("span"), ticks);
