@@ -100,8 +100,8 @@ class SolvedLoad:
         """Its mode, where it slips to the side `now`, or does not."""
         graph, one, zero = self.graph, self.one, self.zero
         low, high = self.limits
-        load, force = (self.in_mode(node, 0.0) for node in (self.load, self.force))
-        load = graph.select(load, load, -load)  # of a rail that turns over in this instant
+        pressing, force = (self.in_mode(node, 0.0) for node in (self.pressing, self.force))
+        load = self.slope * (pressing if self.contact.pushes else graph.select(pressing, pressing, -pressing))  # sigma may be unknown yet
         slack = _TIE * ((high - low) * load)
         begins = graph.select(high * load - force + slack, graph.select(force - low * load + slack, zero, -one), one)
         return graph.by_side(now, one, -one, begins)

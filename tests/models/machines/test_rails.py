@@ -350,6 +350,9 @@ def test_static_friction_above_kinetic_with_a_load_that_follows():
     law = ss.Stribeck(0.08, 0.1, f_plus=0.15, f_minus=0.14, v_s=0.1)
     run = agrees(CartPole(1.5, 0.5, 0.5, law), {"x": {"angle": 0.8}, "v": {}}, 1.0, "finished")
     assert {"stick", "slip"} <= {event.kind for event in run.events}
+    for angle in (0.2, -0.2):  # whichever way it is pulled, what rests at the start does so from there on
+        run = ss.solve(CartPole(1.5, 0.5, 0.5, law), duration=0.1, start={"x": {"angle": angle}, "v": {}})
+        assert len(run.events) == 0 and np.all(run.v[:, 0] == 0.0) and run.contacts["rail"].mode[0] == 0
 
 
 @each_row(
