@@ -7,12 +7,12 @@ found; a fourth log, of another load, is held out. Each line has the processor t
 numbers of the true model in standard errors, what is not determined, and the error of the held-out angle beside that of the true ones.
 
 Of the 37 sets these 36 have been run so far, the last 21 of them, from mx64 on, since places are those of the model (mx64_m1 and feetech
-before that). The right model came first for 32; for xl330_m6 its M5 fits as well (AICc lower by 1.6; below 4 the verdict is that these
-data cannot distinguish them), erob80_50_m2 has no Stribeck friction, so that it is M1, and of erob80_50_m4 that is 9e-6 N m, so that it
-is M3. AICc is that of the next model, or of the right one where another is first; errors are the largest in standard errors; held out is
-the error of the held-out angle over that of the truth; processor time is that of all six fits. Of the last 21 sets no record of a right
-model has structure left (before, 4 of the first 9 models had), and all 52 fits of models that lack a part (AICc higher by more than 20)
-do have it.
+before that). The right model came first for 32; for xl330_m6 and xl320_m6 M5 fits as well (AICc lower by 1.6 and 1.9; below 4 the verdict
+is that these data cannot distinguish them), erob80_50_m2 has no Stribeck friction, so that it is M1, and of erob80_50_m4 that is 9e-6 N
+m, so that it is M3. AICc is that of the next model, or of the right one where another is first; errors are the largest in standard
+errors; held out is the error of the held-out angle over that of the truth; processor time is that of all six fits. Of the last 21 sets no
+record of a right model has structure left (before, 4 of the first 9 models had), and all 52 fits of models that lack a part (AICc higher
+by more than 20) do have it.
 
     set          first  AICc of another  largest error  held out  time [s]  not determined
     mx106_m1        m1              0.9          0.07     0.999        72  k_t, R, viscous
