@@ -21,7 +21,6 @@ from stickslip.engine.symbols import TraceError
 from stickslip.engine.unforeseen import hides
 from stickslip.engine.values import values_of
 
-ORDER = taylor.ORDER
 #: The k-th coefficient of a function's series at a; mpmath's own series, by differences, is not for the neighbourhood of poles.
 KNOWN = {
     "exp": lambda a, k: mp.exp(a) / mp.factorial(k),
@@ -82,11 +81,12 @@ class Series:
 def second(eq, known, roots):
     """The coefficients of the solution that begins as `known` says, and of some expressions along it."""
     y = {state.name: [mp.mpf(known[state.name])] for state in eq.y}
-    for m in range(ORDER):
+    order = taylor.order_of(eq)
+    for m in range(order):
         series = Series(known | y | {"t": [mp.mpf(known["t"]), mp.mpf(1)]}, m + 1)
         for state, rate in zip(eq.y, eq.f, strict=True):
             y[state.name].append(series.of(rate)[m] / (m + 1))
-    series = Series(known | y | {"t": [mp.mpf(known["t"]), mp.mpf(1)]}, ORDER + 1)
+    series = Series(known | y | {"t": [mp.mpf(known["t"]), mp.mpf(1)]}, order + 1)
     return [[float(c) for c in series.of(root)] for root in roots]
 
 
@@ -111,7 +111,7 @@ def stepped(eq, known, period):
     given = {f"c{j}": numbers[node.number] for j, node in enumerate(step.case_nodes)}
     given |= {name: known[name] for name in ("t", *(s.name for s in eq.modes), *(f"clk{k}" for k in range(len(eq.clocks))))}
     given |= {f"b{k}": known[f"b{k}"] for k in range(eq.signs)} | {f"y{i}": known[s.name] for i, s in enumerate(eq.y)} | {"tend": period}
-    given |= {field[:-2]: np.zeros(ORDER + 1) for field in step.fields if field[-2:] == "_0"}
+    given |= {field[:-2]: np.zeros(taylor.order_of(eq) + 1) for field in step.fields if field[-2:] == "_0"}
     return plain(step.lines, given)
 
 
@@ -126,7 +126,7 @@ def compared(robot, rng):
         right, beside = (second(eq, given, roots) for given in (known, near))
     names = [*(f"_k{i}" for i in range(eq.states)), *(f"_g{p}" for p in range(len(watched)))]
     flags = [*(1.0 for _ in eq.y), *(known[f"b{k}"] if k < eq.signs else 1.0 for k in watched)]
-    powers, worst = float(done["_hh"]) ** np.arange(ORDER + 1), 0.0
+    powers, worst = float(done["_hh"]) ** np.arange(taylor.order_of(eq) + 1), 0.0
     for name, flag, *both in zip(names, flags, right, beside, strict=True):
         c, other = (flag * np.array(series) * powers for series in both)
         around = np.abs(np.pad(c, 1))

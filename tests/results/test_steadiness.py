@@ -175,7 +175,7 @@ def records():
 
 
 #: Records of a computation under way, which no result holds.
-_WITHIN = {"ArcNumbers", "Arcs", "Asked", "Column", "Image", "RawParts", "Standing"}
+_WITHIN = {"Answer", "ArcNumbers", "Arcs", "Asked", "Column", "Image", "RawParts", "Standing"}
 
 
 def test_every_record_that_holds_arrays_seals_them():

@@ -78,7 +78,7 @@ def _own_coordinates(mechanics: Any) -> list[str]:
     """The letters of coordinates of a machine's own; none of a machine of bodies on a line."""
     if not mechanics.joined:
         return []
-    inner = ("z",) if any(law.states for law in mechanics.laws) else ()
+    inner = ("z",) if any(law.states and not law.flies for law in mechanics.laws) else ()
     return letters_of_coordinates(mechanics.bodies, (*_MEANT, *inner))
 
 

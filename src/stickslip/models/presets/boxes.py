@@ -47,7 +47,7 @@ def hopping_robot(
     --------
     >>> import stickslip as ss
     >>> run = ss.solve(hopping_robot(), periods=60)
-    >>> run.status, len(ss.hops(run)) > 0
+    >>> run.status, ss.hops(run).landings > 0
     ('finished', True)
     """
     omega = 6.283185307179586 * frequency
