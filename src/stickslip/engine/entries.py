@@ -10,7 +10,7 @@ from typing import Any
 
 from stickslip.engine import signatures
 from stickslip.engine.expressions import BOOL, FLOAT64, INT8, INT64
-from stickslip.engine.function_body import View
+from stickslip.engine.function_body import View, parts_of_arguments
 from stickslip.engine.instructions import VOID, Builder, Constant, Function, function_type, struct_of
 from stickslip.engine.signatures import InMemory, Number, Several, Signature
 
@@ -51,8 +51,7 @@ def _outside(kind: Any) -> Any:
 
 def called(builder: Any, kind: Signature, address: Any, args: list[Any]) -> Any:
     """A call of the function at an address, of numbers and views."""
-    parts = [part for arg in args for part in ([arg.data, *arg.shape] if isinstance(arg, View) else [arg])]
-    given = [builder.zext(part, INT64) if part.type == BOOL else part for part in parts]
+    given = [builder.zext(part, INT64) if part.type == BOOL else part for part in parts_of_arguments(args)]
     result = builder.call_at(builder.inttoptr(address, entry_type(kind).as_pointer()), given)
     return builder.trunc(result, BOOL) if kind.returns == signatures.BOOLEAN else result
 

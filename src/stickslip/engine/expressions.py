@@ -65,7 +65,7 @@ class Expressions(ast.NodeVisitor):
         self.builder, self.lanes = builder, lanes
         kinds = (FLOAT64, INT64, BOOL)
         self.real, self.whole, self.truth = kinds if lanes == 1 else (vector_of(kind, lanes) for kind in kinds)
-        self._constants, self._declared = dict[tuple[bool, str], Any](), dict[str, Any]()
+        self._constants = dict[tuple[bool, str], Any]()
 
     def constant(self, kind: Any, value: Any) -> Any:
         """A constant, of each lane; one object for each value, since an object writes its text once."""
@@ -143,10 +143,8 @@ class Expressions(ast.NodeVisitor):
 
     def of_reals(self, node: ast.AST, name: str, args: list[Any]) -> Any:
         """A call of a function of LLVM."""
-        if name not in self._declared:
-            kind = function_type(self.real, (self.real,) * len(args))
-            self._declared[name] = self.builder.module.declared(name, kind)
-        return self.builder.call(self._declared[name], [self.as_real(node, arg) for arg in args])
+        function = self.builder.module.declared(name, function_type(self.real, (self.real,) * len(args)))
+        return self.builder.call(function, [self.as_real(node, arg) for arg in args])
 
     # ---- types ----
     def condition(self, node: ast.expr) -> Any:

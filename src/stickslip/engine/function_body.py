@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import reduce
 from typing import Any, Protocol
@@ -24,6 +25,11 @@ class View:
 
     data: Any
     shape: tuple[Any, ...]
+
+
+def parts_of_arguments(args: Iterable[Any]) -> list[Any]:
+    """Numbers, and of each view its pointer and its lengths."""
+    return [part for arg in args for part in ((arg.data, *arg.shape) if isinstance(arg, View) else (arg,))]
 
 
 class Program(Protocol):
@@ -344,10 +350,8 @@ class _Body(Expressions):
 
     def called(self, name: str, args: list[Any]) -> Any:
         """A function of the text."""
-        function, given = self.program.function(name), []
-        for arg in args:
-            given += [arg.data, *arg.shape] if isinstance(arg, View) else [arg]
-        given = [self.as_kind(*pair) for pair in zip(given, function.function_type.args, strict=True)]
+        function = self.program.function(name)
+        given = [self.as_kind(*pair) for pair in zip(parts_of_arguments(args), function.function_type.args, strict=True)]
         result = self.builder.call(function, given)
         if result.type.kind != "struct":
             return result

@@ -20,7 +20,7 @@ from typing import Any
 
 from stickslip.engine.entries import parts_of, result_of, write_entry
 from stickslip.engine.expressions import INT64, all_statements
-from stickslip.engine.function_body import View, write_body
+from stickslip.engine.function_body import View, parts_of_arguments, write_body
 from stickslip.engine.instructions import Constant, Function, function_type
 from stickslip.engine.signatures import signature
 
@@ -96,8 +96,7 @@ class _Program:
         """A call of a function of the text, or of what something else writes, with numbers and views."""
         if name in self.outside:
             return self.outside[name](builder, args)
-        given = [part for arg in args for part in ([arg.data, *arg.shape] if isinstance(arg, View) else [arg])]
-        return builder.call(self.function(name), given)
+        return builder.call(self.function(name), parts_of_arguments(args))
 
 
 def write_functions(module: Any, entries: Mapping[str, str], text: str, outside: dict[str, Any]) -> None:

@@ -278,10 +278,6 @@ class Builder:
         """Both, bit by bit."""
         return self.on_integers("and", a, b)
 
-    def or_(self, a: Value, b: Value) -> Value:
-        """Either, bit by bit."""
-        return self.on_integers("or", a, b)
-
     def xor(self, a: Value, b: Value) -> Value:
         """Either but not both, bit by bit."""
         return self.on_integers("xor", a, b)

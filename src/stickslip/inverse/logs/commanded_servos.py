@@ -48,6 +48,7 @@ class CommandedServo(Kind):
         "gravity_torque": "their m g l; 0 about an upright axis [N m]",
     }
     needs: ClassVar[dict[str, str]] = {"kp": "38", "motor_constant": "2.1", "resistance": "3", "inertia": "0.023", "gravity_torque": "1.5"}
+    why_needed: ClassVar[str] = "without a torque or a current the angle tells friction only where controller, motor and load are known"
     by_file: ClassVar[frozenset[str]] = frozenset({"inertia", "gravity_torque"})
 
     def suits(self, rec: Record) -> str:
@@ -55,14 +56,6 @@ class CommandedServo(Kind):
         angles = all(quantity_in(rec, role) == "angle" for role in ("command", "position"))
         pushed = {"force", "current"} & {c.role for c in rec.channels.values()}
         return "a commanded angle beside the measured one" if angles and not pushed else ""
-
-    def lacks(self, records: Sequence[Record], given: dict[str, Any]) -> str:
-        """What has to be typed, in a sentence; empty where nothing is missing."""
-        if not (missing := self.missing(records, given)):
-            return ""
-        typed = ", ".join(f'"{name}": {self.needs[name]}' for name in missing)
-        need = "without a torque or a current the angle tells friction only where controller, motor and load are known"
-        return f"{' and '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing: {need}; type for example numbers={{{typed}}}"
 
     def assumed(self, records: Sequence[Record], given: dict[str, Any]) -> dict[str, tuple[str, str]]:
         """Numbers that nobody gave: name -> (value in words, why)."""

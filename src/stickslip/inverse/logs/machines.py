@@ -74,6 +74,7 @@ class Kind(ABC):
     advises: bool = True  # whether `Fit.next_experiment` knows records of this kind
     takes: ClassVar[dict[str, str]] = {}  # numbers that may be typed, with what they are
     needs: ClassVar[dict[str, str]] = {}  # those of them without which nothing can be fitted, with an example
+    why_needed: ClassVar[str] = "the motion of a shaken robot determines friction only where its drive is known"  # in a sentence
     by_file: ClassVar[frozenset[str]] = frozenset()  # those that may differ from file to file
 
     @abstractmethod
@@ -89,8 +90,8 @@ class Kind(ABC):
         if not (missing := self.missing(records, given)):
             return ""
         typed = ", ".join(f'"{name}": {self.needs[name]}' for name in missing)
-        need = "the motion of a shaken robot determines friction only where its drive is known"
-        return f"{' and '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing: {need}; type for example numbers={{{typed}}}"
+        what = f"{' and '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing"
+        return f"{what}: {self.why_needed}; type for example numbers={{{typed}}}"
 
     def assumed(self, records: Sequence[Record], given: dict[str, Any]) -> dict[str, tuple[str, str]]:
         """Numbers that nobody gave: name -> (value in words, why)."""
