@@ -1,5 +1,7 @@
 """The explorer in numbers: milliseconds from a slider's event to the drawn curve, page weight, requests, what axe finds.
 
+First, with an empty cache, seconds from the command to the first mean velocity on the page, and what the server computed until then.
+
 Beside it, in the same run, a Panel and a Dash page of the same content: a slider for the amplitude, and the velocity of the paper's robot
 under LuGre and Coulomb friction from the same solver. They are measured if they are installed (``pip install panel dash``).
 
@@ -17,6 +19,7 @@ import socket
 import statistics
 import subprocess
 import sys
+import tempfile
 import time
 import urllib.request
 from pathlib import Path
@@ -123,6 +126,28 @@ def measured(browser: Any, name: str) -> dict[str, Any]:
         process.wait()
 
 
+def first(browser: Any) -> dict[str, float]:
+    """Seconds from the command to its address and to the first mean velocity in a browser that runs, and CPU seconds of the server."""
+    with tempfile.TemporaryDirectory() as cache:
+        page = browser.new_context(viewport={"width": 1200, "height": 900}).new_page()
+        command, begin = [sys.executable, "-m", "stickslip", "explore", "--no-browser", "--port", "0"], time.perf_counter()
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env={**os.environ, "STICKSLIP_CACHE_DIR": cache})
+        assert process.stdout is not None
+        try:
+            address = process.stdout.readline().strip()
+            listens = time.perf_counter() - begin
+            page.goto(address, wait_until="commit")
+            page.locator("output[data-quantity=mean_velocity]", has_text="m/s").wait_for()
+            seconds = time.perf_counter() - begin
+            spent = sum(map(int, Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()[11:13])) / os.sysconf(
+                "SC_CLK_TCK"
+            )
+            return {"address_s": round(listens, 2), "first_velocity_s": round(seconds, 2), "server_cpu_s": round(spent, 2)}
+        finally:
+            process.terminate()
+            process.wait()
+
+
 def maps(port: int) -> dict[str, float]:
     """Milliseconds from the question to the answer of a map of 48 x 40 robots, each time of other robots."""
     from websockets.sync.client import connect
@@ -153,6 +178,8 @@ def main() -> None:
     results = {}
     with sync_playwright() as p:
         browser = p.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        results["first"] = first(browser)
+        print(f"{'first':10s}", json.dumps(results["first"]), flush=True)
         for name in PAGES:
             if name != "explorer" and importlib.util.find_spec(name) is None:
                 print(f"{name}: not installed; type pip install {name}", file=sys.stderr)

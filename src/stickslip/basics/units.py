@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from dataclasses import dataclass
 
@@ -55,6 +56,7 @@ class Unit:
         return _QUANTITIES.get(self.powers)
 
 
+@functools.lru_cache(maxsize=4096)
 def unit_named(text: str | None) -> Unit | None:
     """The unit that a text names; None if it names none that is known here.
 

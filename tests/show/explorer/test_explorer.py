@@ -25,13 +25,14 @@ from stickslip.show.explorer.code import python
 from stickslip.show.explorer.dropped_records import drive_response, velocity_response
 from stickslip.show.explorer.effort import affordable, effort
 from stickslip.show.explorer.exports import EXPORTS, export
+from stickslip.show.explorer.first_picture import first_answer
 from stickslip.show.explorer.frames import unpacked
 from stickslip.show.explorer.kernels import Kernels, state_table
 from stickslip.show.explorer.models import CONTACTS, DRIVES, FRICTION, TRACKS, active, robot
 from stickslip.show.explorer.paper_figures import PRESETS
-from stickslip.show.explorer.requests import DEFAULT, State, message, state
+from stickslip.show.explorer.requests import DEFAULT, State, Stopped, message, state
 from stickslip.show.explorer.sliders import PARAMETERS
-from stickslip.show.explorer.surroundings import PATIENCE as MOST_SECONDS, Stopped, progress_watch
+from stickslip.show.explorer.surroundings import PATIENCE as MOST_SECONDS, progress_watch
 from stickslip.show.paper.cases import CASES, EXPERIMENTS, rig
 
 VALUES = {name: p.default for name, p in PARAMETERS.items()}
@@ -58,12 +59,9 @@ def test_every_drive_goes_with_every_law_alone_and_as_a_map(drive, law):
             assert many.shape == (2, 3), (track, contact)
 
 
-def test_every_drive_and_every_compiled_law_of_the_package_is_on_the_page():
+def test_every_drive_and_every_compiled_law_is_on_the_page_with_numbers_that_its_sliders_reach():
     assert set(ss.drives.DRIVES) <= set(DRIVES)
     assert set(FRICTION) == {name for name, law in ss.friction.LAWS.items() if not getattr(law, "scalar_only", False)}
-
-
-def test_parameters_stand_within_their_sliders_and_these_within_what_is_allowed():
     for p in PARAMETERS.values():
         assert p.least <= p.low <= p.default <= p.high <= p.most, p.name
 
@@ -743,6 +741,26 @@ class _Ready:
 
     def ready(self, subject, law, robot, many):
         return law in self._laws
+
+
+def test_the_stored_first_picture_is_the_solvers_and_only_of_the_numbers_that_the_page_has_at_first():
+    asked = message(json.dumps({"channel": "curves", "id": 7, "fine": True, "state": {}}))
+    header, arrays = unpacked(first_answer(asked, _Ready("coulomb")))
+    assert (header["id"], header["fine"]) == (7, True) and header["python"] == python(DEFAULT)
+    assert [(law["name"], "waits" in law, law.get("solved")) for law in header["laws"]] == [("lugre", True, True), ("coulomb", False, None)]
+    for law, shown in zip(DEFAULT.laws, header["laws"], strict=True):
+        run = ss.solve(DEFAULT.robot(law), periods=200, rtol=1e-6)
+        assert shown["mean_velocity"] == pytest.approx(ss.mean_velocity(run), rel=1e-5), law
+        at = run.at(run.strobe_times[-4] + arrays[f"{law}.t"][:-1])
+        for name, drawn in (("v", at["v"]), ("x", at["x"] - at["x"][0]), ("R", at["friction_force"])):
+            assert np.abs(arrays[f"{law}.{name}"][:-1] - drawn).max() < 1e-4 * np.ptp(drawn), (law, name)
+    figures, motion = header["figures"], ss.motion(ss.solve(DEFAULT.robot(), periods=200, rtol=1e-6))
+    assert (figures["motion_type"], figures["pattern"], figures["period_number"]) == (motion.type, motion.pattern, motion.period)
+    for name in ("margin", "stick_fraction", "forward_fraction"):
+        assert figures[name] == pytest.approx(getattr(motion, name), abs=2e-4), name
+    assert first_answer(asked, _Ready("lugre", "coulomb")) is None  # the solver answers
+    for other in ({"law": "coulomb", "also": []}, {"also": []}, {"values": {"tilt_deg": 1.71}}):
+        assert first_answer(message(json.dumps({"channel": "curves", "id": 1, "state": other})), _Ready()) is None, other
 
 
 def test_closed_arcs_are_drawn_before_a_law_with_inner_states_is_solved_without_its_kernel():

@@ -9,9 +9,8 @@ from rows import each_row
 from stickslip.show.explorer import faster
 from stickslip.show.explorer.faster import faster_of
 from stickslip.show.explorer.machines import Shown
-from stickslip.show.explorer.requests import message
+from stickslip.show.explorer.requests import Stopped, message
 from stickslip.show.explorer.sliders import PARAMETERS
-from stickslip.show.explorer.surroundings import Stopped
 
 
 @pytest.fixture(autouse=True)

@@ -7,8 +7,7 @@ from typing import Any
 from stickslip.basics.errors import InputError
 from stickslip.show.explorer.effort import affordable
 from stickslip.show.explorer.kernels import Kernels, compiling
-from stickslip.show.explorer.requests import Message
-from stickslip.show.explorer.surroundings import IsCancelled, Stopped
+from stickslip.show.explorer.requests import IsCancelled, Message, Stopped
 
 #: Drive periods over which the exponent is averaged, and those before; distance of the two neighbouring motions, and tolerance.
 _PERIODS, _SETTLE, _APART, _RTOL = 400, 200, 1e-6, 1e-8

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any
 
@@ -14,7 +14,6 @@ from stickslip.basics.errors import InputError
 from stickslip.show.explorer.code import python
 from stickslip.show.explorer.models import FRICTION
 from stickslip.show.explorer.requests import State
-from stickslip.show.explorer.responses import run_of
 from stickslip.show.explorer.sliders import PARAMETERS
 
 Export = tuple[str, Callable[[State], bytes]]
@@ -23,8 +22,15 @@ _drawing = threading.Lock()  # matplotlib's settings are global to the process
 PERIODS = 8
 
 
+def _runs(state: State, laws: Iterable[str]) -> list[Any]:
+    """Runs of full length."""
+    from stickslip.show.explorer.responses import run_of
+
+    return [run_of(state, law, True) for law in laws]
+
+
 def _figure(kind: str, state: State) -> bytes:
-    return drawn([run_of(state, law, True) for law in state.laws], [FRICTION[law].label for law in state.laws], kind)
+    return drawn(_runs(state, state.laws), [FRICTION[law].label for law in state.laws], kind)
 
 
 def drawn(runs: list[Any], labels: list[str], kind: str) -> bytes:
@@ -48,7 +54,7 @@ def _csv(state: State) -> bytes:
     """Every column of the last periods, with all digits."""
     from stickslip.results.datasets import COLUMNS, columns_with_units, headed, write_csv
 
-    run = run_of(state, state.law, True)
+    (run,) = _runs(state, [state.law])
     end = float(run.strobe_times[-1])
     count = min(PERIODS, len(run.strobe_times) - 1)
     at = run.at(np.clip(np.linspace(end - count * run.period_time, end, 400 * count + 1), 0.0, end))
@@ -71,7 +77,7 @@ def _report(state: State) -> bytes:
     from stickslip.show.reports.html import page
 
     labels = [FRICTION[law].label for law in state.laws]
-    runs = [run_of(state, law, True) for law in state.laws]
+    runs = _runs(state, state.laws)
     solved = []
     for label, run in zip(labels, runs, strict=True):
         m, balance = motion(run), energy(run)

@@ -21,9 +21,9 @@ from stickslip.inverse.optimisation.searching import search
 from stickslip.inverse.optimisation.unknowns import Unknowns, Varied
 from stickslip.show.explorer.kernels import Kernels, compiling
 from stickslip.show.explorer.machines import OF_A_ROBOT, Shown
-from stickslip.show.explorer.requests import Message
+from stickslip.show.explorer.requests import IsCancelled, Message, Stopped
 from stickslip.show.explorer.sliders import PARAMETERS, Parameter
-from stickslip.show.explorer.surroundings import PATIENCE, IsCancelled, Stopped
+from stickslip.show.explorer.surroundings import PATIENCE
 
 #: As for maps: loose enough for the fast method, tight enough for four digits.
 _RTOL = 1e-4

@@ -69,6 +69,7 @@ class Kernels:
         self._ready: set[Key] = set()
         self._wanted: dict[Key, tuple[Subject, str]] = {}
         self._later: dict[Key, tuple[Subject, str]] = {}
+        self._states: list[State] = []  # that may follow: their kernels have no keys yet
         self._compiled: set[Key] = set()
         self._doing: Key | None = None
         self._asked = time.monotonic()
@@ -101,8 +102,7 @@ class Kernels:
         """Prepare the kernels of the initial page and, when idle, those of the states that may follow."""
         with self._changed:
             if self._separate:
-                wishes = [(many, s, law) for s in later for law in s.laws for many in (False, True)]
-                self._later = {key_of(s.robot(law), many): (s, law) for many, s, law in sorted(wishes, key=lambda wish: wish[0])}
+                self._states += later
         for law in reversed(DEFAULT.laws):
             for many in (True, False):
                 self.ready(DEFAULT, law, DEFAULT.robot(law), many)
@@ -150,16 +150,23 @@ class Kernels:
                 if self._wanted:  # single runs first, and among these the newest
                     key = min(reversed(self._wanted), key=lambda key: key[0])
                     return key, self._wanted[key], False
-                for key in [key for key in self._later if key in self._ready]:
-                    del self._later[key]
-                if self._later and (left := self._asked + QUIET - time.monotonic()) > 0:
+                if (self._later or self._states) and (left := self._asked + QUIET - time.monotonic()) > 0:
                     self._changed.wait(left)
                     continue
+                self._plan()
                 if self._later:
                     key = self._doing = next(iter(self._later))
                     return key, self._later[key], True
                 self._drop(later=True)  # nothing is left to do
                 self._changed.wait()
+
+    def _plan(self) -> None:
+        """Note the kernels of the states that may follow, single runs first; those that are ready are done."""
+        wishes = [(many, s, law) for many in (False, True) for s in self._states for law in s.laws]
+        self._later |= {key_of(s.robot(law), many): (s, law) for many, s, law in wishes}
+        self._states.clear()
+        for key in self._ready & self._later.keys():
+            del self._later[key]
 
     def _compile(self, subject: State, law: str, many: bool, later: bool) -> bool:
         """Compile in a separate process, and wait for it; if none is available, it is compiled here. False if interrupted."""

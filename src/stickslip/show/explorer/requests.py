@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -114,6 +114,14 @@ class Message:
     plane: MapWindow | None = None
     machine: Mapping[str, float] | None = None  # numbers of the machine that the page shows
     wish: Wish | None = None
+
+
+#: Whether the response to a request is no longer needed.
+IsCancelled = Callable[[], bool]
+
+
+class Stopped(Exception):
+    """The response to a request is no longer needed."""
 
 
 def message(text: str | bytes) -> Message:

@@ -22,8 +22,8 @@ from stickslip.show.explorer.frames import encoded
 from stickslip.show.explorer.kernels import Kernels, compiling
 from stickslip.show.explorer.machines import FIRST, LOOSE, OF_A_ROBOT, PLAIN, Shown, picture
 from stickslip.show.explorer.models import FRICTION
-from stickslip.show.explorer.requests import Message, State
-from stickslip.show.explorer.surroundings import IsCancelled, Stopped, map_of, strip_of
+from stickslip.show.explorer.requests import IsCancelled, Message, State, Stopped
+from stickslip.show.explorer.surroundings import map_of, strip_of
 from stickslip.solvers import solve
 
 #: Drive periods of a run while a slider moves, and after its release.
@@ -32,11 +32,6 @@ SAMPLES, LONGEST = 256, 8
 #: Longest processor time of a run for the first picture [s].
 AT_ONCE = 3.0
 _first: Remembered[Any] = Remembered(most=8)
-
-
-def begun() -> None:
-    """Import what the first picture takes."""
-    import scipy.integrate  # noqa: F401
 
 
 def sooner(asked: Message, kernels: Kernels, stop: IsCancelled) -> bytes | None:
@@ -69,8 +64,8 @@ def answer(asked: Message, kernels: Kernels, stop: IsCancelled, shown: Shown | N
         elif asked.machine is not None:
             response = _machine(asked, kernels, stop, shown), {}
         else:
-            curves = functools.partial(_curves, dynamic=dynamic)
-            channels: dict[str, Callable[..., Any]] = {"curves": curves, "map": map_of, "strip": strip_of, "exponent": exponent_of}
+            of_laws = functools.partial(curves, dynamic=dynamic)
+            channels: dict[str, Callable[..., Any]] = {"curves": of_laws, "map": map_of, "strip": strip_of, "exponent": exponent_of}
             response = channels[asked.channel](asked, kernels, stop)
     except InputError as error:
         response = {"kind": "problems", "problems": [without_advice(p) for p in error.problems]}, {}
@@ -149,7 +144,8 @@ def _once(robot: Any, tell: Callable[[int, int], None]) -> Any:
     return _first(robot, lambda: _first_run(robot, tell))
 
 
-def _curves(asked: Message, kernels: Kernels, stop: IsCancelled, dynamic: bool = True) -> tuple[dict[str, Any], dict[str, Any]]:
+def curves(asked: Message, kernels: Kernels, stop: IsCancelled, dynamic: bool = True) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The curves of all laws of the page, with the figures of merit of the first."""
     state, laws, runs = asked.state, [], {}
     for law in state.laws:
         entry: dict[str, Any] = {"name": law, "label": FRICTION[law].label}

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import base64
 import contextlib
 import functools
 import json
+import re
 import secrets
 from collections.abc import AsyncIterator, Callable
 from importlib.resources import files
@@ -22,6 +24,7 @@ from starlette.websockets import WebSocket
 from stickslip.basics.errors import InputError, StickslipError
 from stickslip.models.drives.within import drives_within
 from stickslip.show.explorer.exports import EXPORTS, export
+from stickslip.show.explorer.first_picture import first_picture
 from stickslip.show.explorer.guard import RequestGuard, is_loopback
 from stickslip.show.explorer.kernels import Kernels
 from stickslip.show.explorer.machines import Shown, part_label, report, study
@@ -51,18 +54,27 @@ _GROUPS = {
 
 
 # ---- the page ----
-def _rendered(template: str, **content: Any) -> str:
+def _rendered(template: str, script: str, **content: Any) -> str:
     from stickslip import __version__
     from stickslip.show.reports.html import environment
 
-    return environment(str(files("stickslip.show.explorer") / "assets")).get_template(template).render(**content, version=__version__)
+    templates = environment(str(files("stickslip.show.explorer") / "assets"))
+    return templates.get_template(template).render(**content, scripts=_modules(script), version=__version__)
+
+
+def _modules(name: str) -> list[str]:
+    """A script's modules, each after the first that imports it: the page requests them all at once, not one after the other."""
+    known = [name]
+    for each in known:  # grows
+        known += [other for other in re.findall(r'from "\./([a-z]+\.js)"', _assets()[each].decode()) if other not in known]
+    return known
 
 
 def machine_page(shown: Shown) -> str:
     """The page of a machine before any script runs."""
     data = {"parameters": {name: vars(p) for name, p in shown.numbers.items()}, "exports": list(MACHINE_EXPORTS)}
     groups = {part_label(part): of for part, of in shown.groups.items()}
-    return _rendered("machine.html", shown=shown, groups=groups, exports=list(MACHINE_EXPORTS), data=data, kept=_kept(shown))
+    return _rendered("machine.html", "machine.js", shown=shown, groups=groups, exports=list(MACHINE_EXPORTS), data=data, kept=_kept(shown))
 
 
 def _kept(shown: Shown) -> list[str]:
@@ -80,9 +92,9 @@ def page() -> str:
     groups = {name: [p for p in PARAMETERS.values() if p.name in own] for name, own in _GROUPS.items()}
     rest = [p for p in PARAMETERS.values() if not any(p in group for group in groups.values())]
     return _rendered(
-        "page.html", drives=DRIVES, tracks=TRACKS, contacts=CONTACTS, laws=FRICTION, presets=GROUPS, exports=list(EXPORTS),
+        "page.html", "main.js", drives=DRIVES, tracks=TRACKS, contacts=CONTACTS, laws=FRICTION, presets=GROUPS, exports=list(EXPORTS),
         groups={"Drive": groups["Drive"], "Track": groups["Track"], "Friction": rest, "Masses": groups["Masses"]},
-        first=DEFAULT, active=set(DEFAULT.active), data=_data(), kept=KEPT,
+        first=DEFAULT, active=set(DEFAULT.active), data=_data(), kept=KEPT, picture=base64.b64encode(first_picture() or b"").decode(),
     )  # fmt: skip
 
 

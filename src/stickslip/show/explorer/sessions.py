@@ -13,11 +13,11 @@ from typing import Any
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from stickslip.basics.errors import InputError
+from stickslip.show.explorer.first_picture import first_answer
 from stickslip.show.explorer.frames import encoded, unpacked
 from stickslip.show.explorer.kernels import Kernels
 from stickslip.show.explorer.machines import Shown
-from stickslip.show.explorer.requests import CHANNELS, Message, message
-from stickslip.show.explorer.responses import Stopped, answer, begun, sooner
+from stickslip.show.explorer.requests import CHANNELS, Message, Stopped, message
 
 #: Largest size of a message in bytes.
 MESSAGE_BYTES = 32_768
@@ -33,7 +33,6 @@ class Workshop:
         self._pools = {"curves": ThreadPoolExecutor(n, "curves"), "behind": ThreadPoolExecutor(max(n - 1, 1), "behind")}
         self.prepared = 0  # number of kernels that have become ready
         self._loop = asyncio.get_running_loop()
-        self._pools["curves"].submit(begun)  # while the browser opens
         kernels.listen(self._kernel_ready)
 
     async def compute(self, asked: Message, stop: threading.Event) -> bytes:
@@ -42,7 +41,7 @@ class Workshop:
 
     async def compute_sooner(self, asked: Message, stop: threading.Event) -> bytes | None:
         """Compute in a thread what of the response takes the shortest time, if that is worth it."""
-        return await self._loop.run_in_executor(self._pool(asked), sooner, asked, self.kernels, stop.is_set)
+        return await self._loop.run_in_executor(self._pool(asked), self._sooner, asked, stop)
 
     def _pool(self, asked: Message) -> ThreadPoolExecutor:
         return self._pools["curves" if asked.channel == "curves" else "behind"]
@@ -50,7 +49,18 @@ class Workshop:
     def _answer(self, asked: Message, stop: threading.Event) -> bytes:
         if stop.is_set():  # superseded while it waited for a thread
             raise Stopped
+        if (data := first_answer(asked, self.kernels)) is not None:
+            return data
+        from stickslip.show.explorer.responses import answer  # with all solvers, for which no page waits
+
         return answer(asked, self.kernels, stop.is_set, self.shown)
+
+    def _sooner(self, asked: Message, stop: threading.Event) -> bytes | None:
+        if first_answer(asked, self.kernels) is not None:  # that is soon enough
+            return None
+        from stickslip.show.explorer.responses import sooner
+
+        return sooner(asked, self.kernels, stop.is_set)
 
     def close(self) -> None:
         """Stop all work."""

@@ -14,11 +14,9 @@ from stickslip.dynamics.attractors.period_numbers import periods_of, return_tole
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, state_at_rest, strobe_map
 from stickslip.show.explorer.effort import RTOL, effort, too_much
 from stickslip.show.explorer.kernels import Kernels, compiling
-from stickslip.show.explorer.requests import Message, State
+from stickslip.show.explorer.requests import IsCancelled, Message, State, Stopped
 from stickslip.show.explorer.sliders import PARAMETERS
 from stickslip.solvers import solve
-
-IsCancelled = Callable[[], bool]
 
 #: Motion types in the order of their codes on a map.
 TYPES = ("rest", "presliding", "I", "II", "III", "IV", "other")
@@ -28,10 +26,6 @@ PATIENCE = 8.0
 FINE = 200
 #: Periods of a strip before its points, number of its points, and periods after which a value that does not repeat is not run on.
 SETTLE, KEPT, LIMIT = 48, 16, 256
-
-
-class Stopped(Exception):
-    """The result is no longer needed."""
 
 
 # ---- maps ----

@@ -2,7 +2,7 @@
 import * as controls from "./controls.js";
 import * as faster from "./faster.js";
 import * as fit from "./fit.js";
-import { Link } from "./link.js";
+import { Link, unpacked } from "./link.js";
 import * as map from "./map.js";
 import { colour } from "./plane.js";
 import * as portraits from "./portraits.js";
@@ -94,6 +94,8 @@ function around(channel, axes) {
 }
 
 // ---- answers ----
+const provisional = (law) => law.waits && !law.solved; // by a slower solver, until its kernel is ready
+
 function take({ header, arrays }) {
   if (header.channel === "map") return map.show({ header, arrays });
   if (header.channel === "strip") return strip.show({ header, arrays });
@@ -101,19 +103,19 @@ function take({ header, arrays }) {
   if (header.channel === "faster") return faster.show(header);
   if (header.kind === "problems") return say(header.problems.join("; "));
   const waiting = header.laws.find((law) => law.waits), drawn = (law) => `${law.name}.t` in arrays;
-  if (waiting) say(`${header.laws.some((law) => law.waits && drawn(law)) ? "This first picture is from a slower, less exact solver. " : ""}${capital(waiting.waits)}`, "busy");
+  if (waiting) say(`${header.laws.some((law) => provisional(law) && drawn(law)) ? "This first picture is from a slower, less exact solver. " : ""}${capital(waiting.waits)}`, "busy");
   else say(header.fine ? heard : "", "wait");
   last = { header, curves: header.laws.filter(drawn).map((law) => curve(header, law, arrays)), waiting: header.laws.filter((law) => !drawn(law)) };
   draw();
   if (header.figures) figures(header.figures, header.fine && !waiting);
-  $("results").toggleAttribute("data-stale", !header.figures || Boolean(header.laws.find((law) => law.name === state.law)?.waits));
+  $("results").toggleAttribute("data-stale", !header.figures || header.laws.some((law) => law.name === state.law && provisional(law)));
   if (header.python) $("python").textContent = header.python;
   document.documentElement.dataset.drawn = `${header.id}${header.fine && !waiting ? " fine" : ""}`;
 }
 
 function curve(header, law, arrays) {
   const own = Object.fromEntries(Object.entries(arrays).filter(([name]) => name.startsWith(law.name + ".")).map(([name, column]) => [name.slice(law.name.length + 1), column]));
-  return { ...own, ...velocity.look(header.laws.indexOf(law)), name: law.name, label: law.waits ? `${law.label} (first picture)` : law.label, mean: law.mean_velocity, shown: header.shown };
+  return { ...own, ...velocity.look(header.laws.indexOf(law)), name: law.name, label: provisional(law) ? `${law.label} (first picture)` : law.label, mean: law.mean_velocity, shown: header.shown };
 }
 
 function draw() {
@@ -313,4 +315,6 @@ themed(() => {
   robot.frame();
 });
 leftOut(takes);
+const picture = atob($("picture").textContent); // of the numbers that the page has at first
+if (picture && JSON.stringify(table(state)) === JSON.stringify(table(defaults()))) take(unpacked(Uint8Array.from(picture, (c) => c.charCodeAt(0)).buffer));
 changed();
