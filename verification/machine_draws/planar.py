@@ -1,4 +1,4 @@
-"""Random machines in the plane: one to four bodies, one or two points that push, or a rail, under laws that may rest exactly."""
+"""Random machines in the plane: one to four bodies, one to four contacts that push, hold or have loads, under all laws that may rest exactly."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 import stickslip as ss
-from stickslip.maths import cos, pi, sin
+from stickslip.maths import cos, pi, sin, where
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,6 +19,9 @@ class Planar(ss.Machine):
     restitution: float
     push: float
     omega: float
+    slope: float
+    wave: float
+    curved: bool
 
     @property
     def period(self) -> Any:
@@ -27,7 +30,12 @@ class Planar(ss.Machine):
 
     def foot(self, body: str, at: Any = None, law: Any = None) -> Any:
         """A point that pushes on the ground."""
-        return ss.Contact(body, self.friction if law is None else law, at=at, hold="push", restitution=self.restitution)
+        law = self.friction if law is None else law
+        return ss.Contact(body, law, on=self.ground() if self.curved else None, at=at, hold="push", restitution=self.restitution)
+
+    def ground(self) -> Any:
+        """A slope with waves."""
+        return lambda x: self.slope * x + self.wave * (1.0 - cos(5.0 * x))
 
     def shaken(self, phase: float = 0.0) -> Any:
         """A force that turns round."""
@@ -154,34 +162,199 @@ class Cart(Planar):
         return {"rail": ss.Contact("cart", self.friction, hold="both")}
 
 
-FORMS = ("box", "crawler", "walker", "hopper", "cart")
+@dataclass(frozen=True, eq=False)
+class Rod(Planar):
+    """A rod that slides on its foot, which may leave the ground or not."""
+
+    half: float
+    held: bool
+    coordinates = ("x", "z", "angle")
+
+    def bodies(self) -> dict[str, Any]:
+        """The rod, of one kilogram."""
+        return {"rod": ss.Body(1.0, inertia=self.half**2 / 3, force=self.shaken())}
+
+    def places(self, t: Any, q: Any) -> dict[str, Any]:
+        """Its middle, from its foot."""
+        return {"rod": (q["x"] + self.half * cos(q["angle"]), q["z"] + self.half * sin(q["angle"]), q["angle"])}
+
+    def contacts(self) -> dict[str, Any]:
+        """Its foot."""
+        at = (-self.half, 0.0)
+        return {"foot": ss.Contact("rod", self.friction, at=at, hold="both") if self.held else self.foot("rod", at)}
+
+
+@dataclass(frozen=True, eq=False)
+class Wedge(Planar):
+    """A block on a wedge that a spring holds."""
+
+    stiffness: float
+    second: float
+    tilt: float
+    coordinates = ("x", "down")
+
+    def bodies(self) -> dict[str, Any]:
+        """Wedge and block."""
+        return {"wedge": ss.Body(1.0, force=self.shaken()), "block": ss.Body(self.second)}
+
+    def places(self, t: Any, q: Any) -> dict[str, Any]:
+        """The block goes down the face of the wedge."""
+        return {"wedge": (q["x"], 0.0), "block": (q["x"] + q["down"] * cos(self.tilt), -q["down"] * sin(self.tilt))}
+
+    def forces(self, t: Any, q: Any, u: Any) -> dict[str, Any]:
+        """Springs at both."""
+        return {"x": -self.stiffness * q["x"], "down": -self.stiffness * q["down"]}
+
+    def contacts(self) -> dict[str, Any]:
+        """Its face."""
+        return {"face": ss.Contact("block", self.friction, on="wedge", hold="both")}
+
+
+@dataclass(frozen=True, eq=False)
+class Arm(Planar):
+    """Up to four links that hang from one another, with friction in their joints, some under loads that their torques make."""
+
+    loads: tuple[float, ...]
+    by_torque: float
+    coordinates = ("1", "2", "3", "4")
+
+    @property
+    def lengths(self) -> tuple[float, ...]:
+        """Those of the links [m]."""
+        return (0.5, 0.4, 0.3, 0.2)
+
+    def bodies(self) -> dict[str, Any]:
+        """Links of one kilogram for each metre."""
+        return {f"link {n}": ss.Body(r, inertia=r**3 / 12) for n, r in zip(self.coordinates, self.lengths, strict=False)}
+
+    def places(self, t: Any, q: Any) -> dict[str, Any]:
+        """Each hangs from the one before it."""
+        x, z, places = 0.0, 0.0, {}
+        for n, r in zip(self.coordinates, self.lengths, strict=False):
+            half_x, half_z = 0.5 * r * sin(q[n]), -0.5 * r * cos(q[n])
+            places[f"link {n}"] = (x + half_x, z + half_z, q[n])
+            x, z = x + 2 * half_x, z + 2 * half_z
+        return places
+
+    def torque(self, t: Any) -> Any:
+        """What drives the first joint."""
+        return self.push * sin(self.omega * t)
+
+    def forces(self, t: Any, q: Any, u: Any) -> dict[str, Any]:
+        """A motor."""
+        return {"1": self.torque(t)}
+
+    def contacts(self) -> dict[str, Any]:
+        """Its joints: the first against the ground, each other one against the link before it."""
+        names, joints = self.coordinates, {}
+        for n, (name, load) in enumerate(zip(names, self.loads, strict=False)):
+            of = lambda t, q, load=load, name=name: load + self.by_torque * abs(self.torque(t)) + 0.2 * load * cos(q[name])  # noqa: E731
+            row = {name: 1.0, **({names[n - 1]: -1.0} if n else {})}
+            joints[f"joint {name}"] = ss.Contact(row, self.friction, load=of)
+        return joints
+
+
+class Arm1(Arm):
+    """One link."""
+
+    coordinates = ("1",)
+
+
+class Arm2(Arm):
+    """Two links."""
+
+    coordinates = ("1", "2")
+
+
+class Arm3(Arm):
+    """Three links."""
+
+    coordinates = ("1", "2", "3")
+
+
+@dataclass(frozen=True, eq=False)
+class Weakening:
+    """Friction that falls with speed by a law of its own, static above kinetic."""
+
+    mu: float
+    back: float
+    static: float
+
+    def sliding(self, v: Any, load: Any) -> Any:
+        """By a quotient."""
+        return where(v > 0.0, self.mu, -self.back) * (1.0 + 0.4 / (1.0 + 30.0 * abs(v))) * load
+
+    def breakaway(self, load: Any) -> tuple[Any, Any]:
+        """Above that of the slowest slip."""
+        return -1.4 * self.static * self.back * load, 1.4 * self.static * self.mu * load
+
+
+FORMS = ("box", "crawler", "walker", "hopper", "cart", "rod", "wedge", "arm")
+LAWS = ("even", "uneven", "static", "stribeck", "table", "weakening")
+OILED = ("viscous", "sum")  # whose friction is not proportional to the load, which is then given
+WEIGHTS = {"box": 9.81, "crawler": 9.81, "walker": 9.81 * 1.3, "hopper": 15.0, "cart": 15.0, "rod": 9.81, "wedge": 15.0, "arm": 2.0}
+MOST = {"box": 1.2, "rod": 1.1, "wedge": 0.6}
+
+
+def law_drawn(rng: Any, kind: str, most: float) -> Any:
+    """A law that may rest exactly, with kinetic coefficients up to the largest."""
+    a, b = rng.uniform(0.02, most, 2)
+    s, v_s = rng.uniform(1.0, 1.6, 2), rng.uniform(0.02, 0.5)
+    if kind == "table":
+        fall = np.array([1.5, 1.2, 1.0, 1.1])
+        return ss.friction.Tabulated((0.0, v_s, 3 * v_s, 10 * v_s), tuple(a * fall), tuple(b * fall), 1.5 * s[0] * a, 1.5 * s[1] * b)
+    return {
+        "even": lambda: ss.Coulomb(a, a),
+        "uneven": lambda: ss.Coulomb(a, b),
+        "static": lambda: ss.Coulomb(a, b, a * s[0], b * s[1]),
+        "stribeck": lambda: ss.Stribeck(a, b, a * s[0], b * s[1], v_s=v_s, exponent=1.0 + float(rng.integers(2))),
+        "weakening": lambda: Weakening(a / 1.4, b / 1.4, s[0]),
+        "viscous": lambda: ss.CoulombViscous(a, b, a * s[0], b * s[1], viscous=rng.uniform(0.0, 0.3)),
+        "sum": lambda: ss.Stribeck(a, b, a * s[0], b * s[1], v_s=v_s) + ss.Viscous(0.1, 0.2),
+    }[kind]()
 
 
 def drawn(form: str, seed: int) -> tuple[Any, dict[str, Any], int]:
     """A machine of a form, a start, and how many periods it runs."""
-    rng = np.random.default_rng([seed, FORMS.index(form)])
-    mu = rng.uniform(0.02, 1.2 if form == "box" else 0.7, 2)
-    law = ss.Coulomb(*mu) if rng.random() < 0.7 else ss.Coulomb(mu[0], mu[0])
+    rng = np.random.default_rng([seed, FORMS.index(form), 2])
+    law = law_drawn(rng, str(rng.choice(LAWS + OILED * (form == "arm"))), MOST.get(form, 0.7))
     e = float(rng.choice([0.0, rng.uniform(0.0, 0.8)]))
-    weight = {"box": 9.81, "crawler": 9.81, "walker": 9.81 * 1.3, "hopper": 15.0, "cart": 15.0}[form]
-    push, omega = rng.uniform(0.0, 1.2) * weight, rng.uniform(8.0, 40.0)
-    of = (law, e, push, omega)
-    v = {"x": float(rng.normal() * rng.choice([0.0, 1.0]))} if form != "crawler" else {"rear x": rng.normal(), "front x": rng.normal()}
+    push, omega = rng.uniform(0.0, 1.2) * WEIGHTS[form], rng.uniform(8.0, 40.0)
+    held = form in ("cart", "wedge", "arm") or (form == "rod" and rng.random() < 0.4)
+    curved = form in ("crawler", "walker", "hopper") and bool(rng.random() < 0.4)
+    ground = (rng.uniform(-0.3, 0.3), float(rng.choice([0.0, rng.uniform(0.0, 0.02)])), curved) if curved else (0.0, 0.0, False)
+    of = (law, e, push, omega, *ground)
+    speed = float(rng.normal() * rng.choice([0.0, 1.0]))
     if form == "box":
         half, tall = rng.uniform(0.05, 0.4, 2)
         tilt = float(rng.choice([0.0, rng.uniform(-1.0, 1.0)]))
         low = -min(side * half * np.sin(tilt) - tall * np.cos(tilt) for side in (1, -1)) - tall
-        return Box(*of, half, tall), {"x": {"angle": tilt, "z": low + rng.uniform(0.0, 0.2)}, "v": v}, 3
+        return Box(*of, half, tall), {"x": {"angle": tilt, "z": low + rng.uniform(0.0, 0.2)}, "v": {"x": speed}}, 3
     if form == "crawler":
-        return Crawler(*of, rng.uniform(20, 300), rng.uniform(0.3, 2.0)), {"x": {"front z": rng.choice([0.0, 0.1])}, "v": v}, 4
+        machine = Crawler(*of, rng.uniform(20, 300), rng.uniform(0.3, 2.0))
+        rear, front = (float(machine.ground()(x)) if curved else 0.0 for x in (0.0, 0.5))
+        x = {"rear z": rear + (0.05 if curved else 0.0), "front z": front + (0.1 if curved else rng.choice([0.0, 0.1]))}
+        return machine, {"x": x, "v": {"rear x": rng.normal(), "front x": rng.normal()}}, 4
     if form == "walker":
         rear, front = rng.uniform(-0.7, -0.1), rng.uniform(0.1, 0.7)
-        high = 0.3 * max(np.cos(rear), np.cos(front)) + rng.uniform(0.0, 0.1)
-        return Walker(*of, rng.uniform(0.2, 5.0), rng.uniform(0.3, 2.0)), {"x": {"rear": rear, "front": front, "z": high}, "v": v}, 2
+        high = 0.3 * max(np.cos(rear), np.cos(front)) + rng.uniform(0.0, 0.1) + 0.15 * curved
+        start = {"x": {"rear": rear, "front": front, "z": high}, "v": {"x": speed}}
+        return Walker(*of, rng.uniform(0.2, 5.0), rng.uniform(0.3, 2.0)), start, 2
     if form == "hopper":
-        return Hopper(*of, rng.uniform(50, 500), rng.uniform(0.2, 1.0)), {"x": {"stretch": rng.uniform(-0.4, 0.2)}, "v": v}, 4
-    return (
-        Cart(*of, rng.uniform(0.3, 1.0), rng.uniform(0.2, 1.0)),
-        {"x": {"first": rng.uniform(-1, 1), "other": rng.uniform(-1, 1)}, "v": v},
-        2,
-    )
+        machine = Hopper(*of, rng.uniform(50, 500), rng.uniform(0.2, 1.0))
+        return machine, {"x": {"stretch": rng.uniform(-0.4, 0.2), "z": 0.05 * curved}, "v": {"x": 0.0 if curved else speed}}, 4
+    if form == "rod":
+        high = 0.0 if held else float(rng.choice([0.0, rng.uniform(0.0, 0.3)]))
+        start = {"x": {"z": high, "angle": rng.uniform(0.6, 2.5)}, "v": {"x": speed, "angle": rng.normal() * (high > 0)}}
+        return Rod(*of, rng.uniform(0.2, 1.0), held), start, 1
+    if form == "wedge":
+        machine = Wedge(*of, rng.uniform(50, 500), rng.uniform(0.2, 1.0), rng.uniform(0.1, 1.0))
+        return machine, {"x": {"down": rng.uniform(-0.1, 0.1)}, "v": {"down": speed}}, 6
+    if form == "arm":
+        count = int(rng.integers(1, 5))
+        loads, torque = tuple(rng.uniform(0.1, 1.5, rng.integers(1, count + 1))), float(rng.choice([0.0, rng.uniform(0.0, 0.5)]))
+        machine = (Arm1, Arm2, Arm3, Arm)[count - 1](*of, loads, torque)
+        x, v = ({name: rng.normal() * size for name in machine.coordinates} for size in (0.7, 0.5))
+        return machine, {"x": x, "v": v}, 4
+    machine = Cart(*of, rng.uniform(0.3, 1.0), rng.uniform(0.2, 1.0))
+    return machine, {"x": {"first": rng.uniform(-1, 1), "other": rng.uniform(-1, 1)}, "v": {"x": speed}}, 2

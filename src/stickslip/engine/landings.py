@@ -13,6 +13,7 @@ The gap is a state of its own: it is zero to the last digit at every hit, so tha
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -20,7 +21,7 @@ from stickslip.engine.assembly import Assembly
 from stickslip.engine.coupled import without_slip
 from stickslip.engine.graphs import Substituted
 from stickslip.engine.solved_load import SolvedLoad, add_solved, events_of_border
-from stickslip.engine.symbols import Sym
+from stickslip.engine.symbols import Graph, Sym
 from stickslip.engine.system import Flight
 from stickslip.models.friction.law_adapter import TINY
 
@@ -77,7 +78,7 @@ def _add_hit(parts: Assembly, i: int, flight: Flight, solved: SolvedLoad, up: Sy
     gap, rate = (parts.inner[k - len(m.y)] for k in flight.inner)
     e = m.lift(m.laws[i].restitution)
     thrown, stays = (_hit(parts, i, rate, of) for of in (e, zero))
-    after = Substituted(graph, {y.name: y + change for y, change in zip(m.y, stays.changes, strict=True)})
+    after = jumped(graph, list(zip(m.y, stays.changes, strict=True)))
     over = MOMENT * time_of(parts) * (1.0 - e) * -after.of(m.rising(i)) + 2.0 * (e * rate)  # > 0: so are the rebounds
     rests = after.of(solved.decided(zero))
     exactly = {j: after.of(of) for j, of in without_slip(m, i).items()}
@@ -88,6 +89,14 @@ def _add_hit(parts: Assembly, i: int, flight: Flight, solved: SolvedLoad, up: Sy
     side = graph.select(over, graph.by_side(stays.side, one, -one, rests), graph.by_side(thrown.side, one, -one, up))
     guard = graph.select(flight.aloft, gap, one)
     parts.events.append((guard, {flight.mode: graph.select(over, zero, one), i: side}, states, 0))
+
+
+def jumped(graph: Graph, changes: Sequence[tuple[Sym, Sym]]) -> Substituted:
+    """Expressions at states that have jumped by so much, with the conditions that hold there."""
+    there = {y.name: y + change for y, change in changes}
+    for k, guard in enumerate(graph.guards):
+        there[f"b{k}"] = graph.select(Substituted(graph, there).of(guard), graph.constant(1.0), graph.constant(-1.0))
+    return Substituted(graph, there)
 
 
 def time_of(parts: Assembly) -> Any:
@@ -117,6 +126,8 @@ def _hit(parts: Assembly, i: int, rate: Sym, e: Sym) -> _Hit:
 def per_impulse(parts: Assembly, i: int, side: float) -> Sym:
     """Impulse along for one across while the point slips to a side: by the slip before it, or where that is to the other side by none."""
     m, graph = parts.m, parts.m.graph
-    slip = graph.variable(_SLIP)
+    slip, before = graph.variable(_SLIP), graph.at_once
+    graph.at_once = True  # conditions of the law are those of this slip
     friction = parts.per_load(i, slip, side)
+    graph.at_once = before
     return Substituted(graph, {_SLIP: graph.select(side * m.slips[i], m.slips[i], graph.constant(side * TINY))}).of(friction)

@@ -22,8 +22,7 @@ from typing import Any, NamedTuple
 from stickslip.basics.status import Status
 from stickslip.engine.assembly import Assembly
 from stickslip.engine.coupled import without_slip
-from stickslip.engine.graphs import Substituted
-from stickslip.engine.landings import MOMENT, flight_of, per_impulse, time_of
+from stickslip.engine.landings import MOMENT, flight_of, jumped, per_impulse, time_of
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Branches, Flight, TracedContact
 from stickslip.models.linear_equations import determinant, eliminated, product, total
@@ -67,9 +66,9 @@ class Feet:
         per_load = {i: [parts.per_load(i, parts.slip(i), side) for side in (1.0, -1.0)] for i in group}
         self.kinetic = {i: tuple(self.steepness[i] * of for of in per_load[i]) for i in group}
         self.limits = {i: tuple(self.steepness[i] * m.lift(of) for of in m.laws[i].breakaway(1.0)) for i in group}
-        bodies = {i: m.equations.joints[m.equations.contacts[i]] for i in group}
-        flat = all(contact.on is None for contact in bodies.values())
-        self.alike = {i: [k for k in group if flat and bodies[k].body == bodies[i].body] for i in group}
+        given = {i: m.equations.joints[m.equations.contacts[i]] for i in group}
+        on_flat = {i: contact.body for i, contact in given.items() if contact.on is None}
+        self.alike = {i: [k for k in group if k == i or (i in on_flat and on_flat.get(k) == on_flat[i])] for i in group}
 
     def solved(self, touching: Sequence[int], resting: Sequence[int], slide: dict[int, Any], gaps: Numbers, slips: Numbers) -> Bearing:
         """The forces with which gaps and slips keep what is asked, from their rates `gaps` and `slips` without them."""
@@ -320,7 +319,7 @@ def _add_hit(feet: Feet, h: int, flights: dict[int, Flight], number: int) -> Non
     stays, settled = _impulses(feet, touches, before, dict.fromkeys(group, zero), False)
     over = _over(feet, touches, after, thrown)
     changes = [graph.select(over, a, b) for a, b in zip(feet.changes(stays), feet.changes(thrown), strict=True)]
-    there = Substituted(graph, {y.name: y + change for y, change in zip(m.y, changes, strict=True)})
+    there = jumped(graph, list(zip(m.y, changes, strict=True)))
     aloft = {i: graph.select(over, settled[i], after[i]) for i in group}
     rate = {i: graph.select(touches[i], graph.select(over, zero, graph.select(after[i] - still, after[i], zero)), aloft[i]) for i in group}
     flies = {i: graph.select(touches[i], graph.select(rate[i], one, zero), one) for i in group}
@@ -362,7 +361,7 @@ def _over(feet: Feet, touches: Numbers, after: Numbers, thrown: Bearing) -> Sym:
     """1 where all that a hit has thrown up would be down again within a moment."""
     m, graph, group = feet.m, feet.graph, feet.group
     time = time_of(feet.parts)
-    there = Substituted(graph, {y.name: y + change for y, change in zip(m.y, feet.changes(thrown), strict=True)})
+    there = jumped(graph, list(zip(m.y, feet.changes(thrown), strict=True)))
     over = feet.one
     for i in group:
         others = [k for k in group if k != i]
