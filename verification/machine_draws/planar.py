@@ -1,4 +1,4 @@
-"""Random machines in the plane: one to four bodies, one to four contacts that push, hold or have loads, under all laws that may rest exactly."""
+"""Random machines in the plane: one to four bodies, one to four contacts that push, hold or have loads, under set-valued laws."""
 
 from __future__ import annotations
 
@@ -116,6 +116,34 @@ class Walker(Planar):
 
 
 @dataclass(frozen=True, eq=False)
+class Leg(Planar):
+    """A hip with a motor on one leg, whose joint rubs, on ground that pushes or on a rail."""
+
+    load: float
+    held: bool
+    coordinates = ("x", "z", "angle")
+
+    def bodies(self) -> dict[str, Any]:
+        """Hip and leg."""
+        return {"hip": ss.Body(0.5, force=self.shaken()), "leg": ss.Body(0.4, inertia=0.4 * 0.3**2 / 12)}
+
+    def places(self, t: Any, q: Any) -> dict[str, Any]:
+        """The leg hangs from the hip."""
+        leg = q["x"] + 0.15 * sin(q["angle"]), q["z"] - 0.15 * cos(q["angle"]), q["angle"]
+        return {"hip": (q["x"], q["z"]), "leg": leg}
+
+    def forces(self, t: Any, q: Any, u: Any) -> dict[str, Any]:
+        """A motor with a spring, and one that holds the hip over its start."""
+        return {"angle": 0.3 * sin(self.omega * t) - 2.0 * q["angle"], "x": -3.0 * q["x"]}
+
+    def contacts(self) -> dict[str, Any]:
+        """Joint and foot."""
+        at = (0.0, -0.15)
+        foot = ss.Contact("leg", self.friction, at=at, hold="both") if self.held else self.foot("leg", at)
+        return {"joint": ss.Contact("angle", ss.CoulombViscous(1.0, 0.8, viscous=0.01), load=self.load), "foot": foot}
+
+
+@dataclass(frozen=True, eq=False)
 class Hopper(Planar):
     """A box on one foot with a mass on a spring in it."""
 
@@ -142,10 +170,12 @@ class Hopper(Planar):
 
 @dataclass(frozen=True, eq=False)
 class Cart(Planar):
-    """A cart on a rail with two pendulums."""
+    """A cart on a rail with two pendulums, whose first hinge rubs or does not."""
 
     length: float
     second: float
+    hinge: float
+    hinged: bool
     coordinates = ("x", "first", "other")
 
     def bodies(self) -> dict[str, Any]:
@@ -158,8 +188,9 @@ class Cart(Planar):
         return {"cart": (q["x"], 0.0), "first": (x, z), "other": (x + 0.4 * sin(q["other"]), z - 0.4 * cos(q["other"]))}
 
     def contacts(self) -> dict[str, Any]:
-        """The rail."""
-        return {"rail": ss.Contact("cart", self.friction, hold="both")}
+        """The rail, and a hinge."""
+        hinge = {"hinge": ss.Contact("first", ss.CoulombViscous(1.0, 1.0, viscous=0.02), load=self.hinge)} if self.hinged else {}
+        return {"rail": ss.Contact("cart", self.friction, hold="both"), **hinge}
 
 
 @dataclass(frozen=True, eq=False)
@@ -289,11 +320,26 @@ class Weakening:
         return -1.4 * self.static * self.back * load, 1.4 * self.static * self.mu * load
 
 
-FORMS = ("box", "crawler", "walker", "hopper", "cart", "rod", "wedge", "arm")
-LAWS = ("even", "uneven", "static", "stribeck", "table", "weakening")
-OILED = ("viscous", "sum")  # whose friction is not proportional to the load, which is then given
-WEIGHTS = {"box": 9.81, "crawler": 9.81, "walker": 9.81 * 1.3, "hopper": 15.0, "cart": 15.0, "rod": 9.81, "wedge": 15.0, "arm": 2.0}
-MOST = {"box": 1.2, "rod": 1.1, "wedge": 0.6}
+@dataclass(frozen=True)
+class Form:
+    """The laws under which a form is drawn, its weight, and the largest kinetic coefficient."""
+
+    laws: tuple[str, ...]
+    weight: float
+    most: float = 0.7
+
+
+FORMS = {
+    "box": Form(("even", "uneven", "stribeck"), 9.81, 1.2),
+    "crawler": Form(("uneven", "table"), 9.81),
+    "walker": Form(("static", "weakening"), 9.81 * 1.3),
+    "hopper": Form(("stribeck", "table"), 15.0),
+    "cart": Form(("weakening", "stribeck"), 15.0),
+    "rod": Form(("uneven", "static"), 9.81, 1.1),
+    "wedge": Form(("table", "static"), 15.0, 0.6),
+    "leg": Form(("stribeck", "even", "uneven"), 9.0),
+    "arm": Form(("viscous", "sum", "static"), 2.0),
+}
 
 
 def law_drawn(rng: Any, kind: str, most: float) -> Any:
@@ -307,7 +353,7 @@ def law_drawn(rng: Any, kind: str, most: float) -> Any:
         "even": lambda: ss.Coulomb(a, a),
         "uneven": lambda: ss.Coulomb(a, b),
         "static": lambda: ss.Coulomb(a, b, a * s[0], b * s[1]),
-        "stribeck": lambda: ss.Stribeck(a, b, a * s[0], b * s[1], v_s=v_s, exponent=1.0 + float(rng.integers(2))),
+        "stribeck": lambda: ss.Stribeck(a, b, a * s[0], b * s[1], v_s=v_s, exponent=2.0),
         "weakening": lambda: Weakening(a / 1.4, b / 1.4, s[0]),
         "viscous": lambda: ss.CoulombViscous(a, b, a * s[0], b * s[1], viscous=rng.uniform(0.0, 0.3)),
         "sum": lambda: ss.Stribeck(a, b, a * s[0], b * s[1], v_s=v_s) + ss.Viscous(0.1, 0.2),
@@ -316,11 +362,12 @@ def law_drawn(rng: Any, kind: str, most: float) -> Any:
 
 def drawn(form: str, seed: int) -> tuple[Any, dict[str, Any], int]:
     """A machine of a form, a start, and how many periods it runs."""
-    rng = np.random.default_rng([seed, FORMS.index(form), 2])
-    law = law_drawn(rng, str(rng.choice(LAWS + OILED * (form == "arm"))), MOST.get(form, 0.7))
+    of_form = FORMS[form]
+    rng = np.random.default_rng([seed, list(FORMS).index(form), 3])
+    law = law_drawn(rng, str(rng.choice(of_form.laws)), of_form.most)
     e = float(rng.choice([0.0, rng.uniform(0.0, 0.8)]))
-    push, omega = rng.uniform(0.0, 1.2) * WEIGHTS[form], rng.uniform(8.0, 40.0)
-    held = form in ("cart", "wedge", "arm") or (form == "rod" and rng.random() < 0.4)
+    push, omega = rng.uniform(0.0, 1.2) * of_form.weight, rng.uniform(8.0, 40.0)
+    held = form in ("rod", "leg") and bool(rng.random() < 0.4)
     curved = form in ("crawler", "walker", "hopper") and bool(rng.random() < 0.4)
     ground = (rng.uniform(-0.3, 0.3), float(rng.choice([0.0, rng.uniform(0.0, 0.02)])), curved) if curved else (0.0, 0.0, False)
     of = (law, e, push, omega, *ground)
@@ -352,9 +399,13 @@ def drawn(form: str, seed: int) -> tuple[Any, dict[str, Any], int]:
         return machine, {"x": {"down": rng.uniform(-0.1, 0.1)}, "v": {"down": speed}}, 6
     if form == "arm":
         count = int(rng.integers(1, 5))
-        loads, torque = tuple(rng.uniform(0.1, 1.5, rng.integers(1, count + 1))), float(rng.choice([0.0, rng.uniform(0.0, 0.5)]))
+        loads, torque = tuple(rng.uniform(0.1, 1.5, count)), float(rng.choice([0.0, rng.uniform(0.0, 0.5)]))
         machine = (Arm1, Arm2, Arm3, Arm)[count - 1](*of, loads, torque)
         x, v = ({name: rng.normal() * size for name in machine.coordinates} for size in (0.7, 0.5))
         return machine, {"x": x, "v": v}, 4
-    machine = Cart(*of, rng.uniform(0.3, 1.0), rng.uniform(0.2, 1.0))
+    if form == "leg":
+        high = 0.3 * np.cos(0.4) if held else float(0.3 * np.cos(0.4) + rng.choice([0.0, 0.1]))
+        machine = Leg(*of, rng.uniform(0.05, 0.4), held)
+        return machine, {"x": {"z": high, "angle": 0.4}, "v": {"x": speed}}, 3
+    machine = Cart(*of, rng.uniform(0.3, 1.0), rng.uniform(0.2, 1.0), rng.uniform(0.02, 0.5), bool(rng.random() < 0.5))
     return machine, {"x": {"first": rng.uniform(-1, 1), "other": rng.uniform(-1, 1)}, "v": {"x": speed}}, 2

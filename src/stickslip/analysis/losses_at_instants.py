@@ -65,15 +65,17 @@ def at_landings(run: Any, mechanics: Any) -> list[tuple[float, float, float, flo
 
 
 def _in_plane(mechanics: Any, t: float, q: Any, before: Any, after: Any, slips: Any) -> list[tuple[float, float, float, float, str]]:
-    """The same of a hit of a point of a body, at all points that may fly: their impulses make the change of the coordinates' rates."""
-    struck = [mechanics.struck(i, q) for i in mechanics.flying]
-    made = np.array([[*of.moved_across] for of in struck] + [[-each for each in of.moved_along] for of in struck], float).T
-    impulses = np.linalg.lstsq(made, np.asarray(after - before, float), rcond=1e-10)[0].reshape(2, -1)
+    """The same of a hit of a point of a body, at all points and rails: their impulses make the change of the coordinates' rates."""
+    pressed = [i for i, contact in enumerate(mechanics.touching) if contact.is_held]
+    made = {(i, "across"): mechanics.struck(i, q).moved_across for i in pressed if mechanics.touching[i].keeps_height}
+    made |= {(i, "along"): [-each for each in mechanics.loosely_pushed(0.0, q, mechanics.rows(0.0, q)[i])] for i in pressed}
+    columns = np.array([[float(np.ravel(each)[0]) for each in of] for of in made.values()]).T
+    impulses = dict(zip(made, np.linalg.lstsq(columns, np.asarray(after - before, float), rcond=1e-10)[0], strict=True))
     heights = [mechanics.heights(t, q, tuple(v)) for v in (before, after)]
     losses = []
-    for across, along, i in zip(*impulses, mechanics.flying, strict=True):
-        name = mechanics.contacts[i]
-        up = 0.5 * sum(float(height[name][1]) for height in heights)
+    for i in pressed:
+        name, across, along = mechanics.contacts[i], impulses.get((i, "across"), 0.0), impulses[i, "along"]
+        up = 0.5 * sum(float(height[name][1]) for height in heights) if name in heights[0] else 0.0
         given = -along * float(np.asarray(mechanics.offsets(t)[i], float))
         losses.append((t, float(along * slips[:, i].mean()), float(-across * up), given, name))
     return losses

@@ -175,11 +175,10 @@ def add_contacts(parts: Assembly, speeds: list[Sym | None]) -> None:
         if m.laws[i].dynamic:
             _add_dynamic(parts, i, speeds[i])
     for group in groups_of(m.reach, [i for i, law in enumerate(m.laws) if not law.dynamic]):
-        if m.equations.joined and m.laws[group[0]].flies:
-            if len(group) > 1:
-                add_several(parts, group, speeds)
-            else:
-                add_landing(parts, group[0], speeds)
+        if m.equations.together:
+            add_several(parts, group, speeds)
+        elif m.equations.joined and m.laws[group[0]].flies:
+            add_landing(parts, group[0], speeds)
         elif len(group) == 1 and m.of_motion[group[0]] and m.equations.joined:
             parts.events += events_of_border(add_solved(parts, group[0], speeds), None)
         elif m.equations.joined or len({m.directions[i] for i in group}) > 1 or not brakes_one(m.directions[group[0]]):

@@ -15,6 +15,7 @@ from stickslip.engine.letters import Formula, expression_of, spread, symbol
 from stickslip.engine.tex import Letters, dotted, indices, letters_of, letters_of_coordinates, subscripted, text_of
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.mechanics import Numbers, OneBody
+from stickslip.models.rails import weighed
 from stickslip.models.several_bodies import SeveralBodies
 
 #: What letters mean in equations of machines with coordinates of their own; z too, where a law has inner states.
@@ -230,11 +231,17 @@ def _of_contacts(mechanics: Any, letters: Letters) -> list[str]:
     """Slips, loads and laws; what differs in the numbers of its symbols alone stands once, with the index i."""
     own, t, bodies = indices(mechanics.contacts), symbol("t", 0), indices(mechanics.bodies)
     x, v = _states_of(mechanics)
-    together = len(mechanics.flying) > 1  # loads of several points follow from one another
-    loads = [symbol("N")] * len(own) if together else mechanics.loads(t, x, v, _held(mechanics))
+    together = mechanics.together  # loads that follow from the motion do so from one another, and their lines stand with heights
+    if together:
+        solved = [contact.is_held for contact in mechanics.touching]
+        loads = [
+            symbol(subscripted("N", n)) if of else mechanics.load(i, t, x, v) for i, (n, of) in enumerate(zip(own, solved, strict=True))
+        ]
+    else:
+        loads = mechanics.loads(t, x, v, _held(mechanics))
     given = list(zip(mechanics.laws, mechanics.slips(t, v, x), loads, own, strict=True))
     blocks = []
-    for lines_of in (_slip_lines, _law_lines) if together else (_slip_lines, _load_lines, _law_lines):
+    for lines_of in (_slip_lines, _load_lines, _law_lines):
         by_text = dict[str, tuple[list[str], list[str]]]()
         for law, slip, load, index in given:
             alone = lines_of(law.law, Formula(expression_of(slip)), Formula(expression_of(load)), index, v)
@@ -246,10 +253,20 @@ def _of_contacts(mechanics: Any, letters: Letters) -> list[str]:
 
 
 def _heights(mechanics: Any, own: list[str], x: tuple[Formula, ...], v: tuple[Formula, ...]) -> list[str]:
-    """Heights of several points, on each of which there is a load, or an impulse of a hit, only where its point touches, and stays."""
-    heights, lines = mechanics.heights(symbol("t", 0), x, v), []
-    for name, law, index in zip(mechanics.contacts, mechanics.laws, own, strict=True):
+    """Heights of points, each of which has a load, or an impulse of a hit, only where it touches, and stays; and what rails bear."""
+    t, lines = symbol("t", 0), list[str]()
+    heights = mechanics.heights(t, x, v)
+    gained = [symbol(dotted("ddot", letter), 0) for letter in _own_coordinates(mechanics)]
+    for i, (name, law, index) in enumerate(zip(mechanics.contacts, mechanics.laws, own, strict=True)):
         h, N, P = (subscripted(letter, index) for letter in ("h", "N", r"\hat N"))
+        if not law.flies:
+            if name in heights:
+                lines.append(f"{text_of(sympy.simplify(expression_of(heights[name][0])))} &= 0")
+            elif mechanics.touching[i].is_held:
+                by, rest = weighed(mechanics, i, t, x, v)
+                needs = sum((expression_of(of) * a.expression for of, a in zip(by, gained, strict=True)), expression_of(rest))
+                lines.append(rf"{N} &= \left|{text_of(sympy.expand(needs))}\right|")
+            continue
         lines += [
             f"{h} &= {text_of(sympy.simplify(expression_of(heights[name][0])))}",
             rf"0 \le {h} &\perp {N} \ge 0",

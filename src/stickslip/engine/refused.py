@@ -52,7 +52,7 @@ def refusal_of(machine: MachineAdapter) -> str:
     for group in groups_of(reach, [i for i, inner in enumerate(dynamic) if not inner]):
         rows = [m.directions[i] for i in group]
         alike = len(set(rows)) == 1 and brakes_one(rows[0])
-        if not alike and not m.flying and (len(group) > MOST or _rank(machine, group) < len(group)):
+        if not alike and not m.together and (len(group) > MOST or _rank(machine, group) < len(group)):
             names = ", ".join(m.contacts[i] for i in group)
             why = f"more than {MOST} of them" if len(group) > MOST else "and the slips of some follow from those of others"
             return f"bodies rub on one another under laws that rest exactly ({names}), {why}; {other}"

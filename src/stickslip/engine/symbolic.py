@@ -149,6 +149,10 @@ class Symbolic:
         """What impulses at a contact's point do (`models.kept_heights.Struck`)."""
         return self.equations.struck(i, self.places)
 
+    def moved_by(self, i: int) -> tuple[Any, ...]:
+        """What a unit of a contact's friction takes of the accelerations of the coordinates, where nothing keeps its height."""
+        return self.equations.loosely_pushed(0.0, self.places, self.equations.rows(0.0, self.places)[i])
+
     @property
     def held_scales(self) -> tuple[Sym, ...]:
         """Typical sizes of the controllers' states."""

@@ -179,6 +179,11 @@ class AnyCoordinates(Mechanics):
         """Numbers of the contacts that may take off and land."""
         return tuple(i for i, law in enumerate(self.laws) if law.flies)
 
+    @cached_property
+    def together(self) -> bool:
+        """Whether a load follows from the motion, and there are other contacts."""
+        return len(self.contacts) > 1 and any(contact.is_held for contact in self.touching)
+
     def completed(self, q: Numbers, u: Numbers, z: Numbers) -> list[Any]:
         """Inner states, with the gaps of points that may fly and their rates as the coordinates have them."""
         whole, ends = list(z), list(accumulate(self.inner, initial=0))

@@ -62,7 +62,7 @@ def contact_columns(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: Ar
         if law.flies:  # its states are the gap and the gap's rate
             aloft[:, i] = (inner[0] != 0.0) | (inner[1] != 0.0) | (rates[1] != 0.0)
             R[aloft[:, i], i], loads[aloft[:, i], i] = 0.0, 0.0
-    if len(mechanics.flying) > 1:
+    if mechanics.together:
         feet = forces_of_feet(mechanics, mode, aloft, t, q, u, held)
         return {"acceleration": feet.accelerations, "friction_force": feet.friction, "slip": slips, "load": feet.loads}
     resting = (mode == 0) & np.array([not law.dynamic for law in mechanics.laws], bool)

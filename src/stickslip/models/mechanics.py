@@ -204,6 +204,11 @@ class Mechanics(Protocol):
         """Numbers of the contacts whose inner states, the gap and its rate, follow from the coordinates."""
         return ()
 
+    @property
+    def together(self) -> bool:
+        """Whether loads that follow from the motion, and other contacts, follow from one another."""
+        return False
+
     def completed(self, q: Numbers, u: Numbers, z: Numbers) -> list[Any]:
         """Inner states of contacts and controllers, of which those that follow from coordinates do."""
         return list(z)

@@ -109,6 +109,9 @@ def aloft_of(pieces: Any, laws: Any) -> Array:
     return aloft
 
 
+_CLOSED = 1e-12  # of what a gap is on a piece: one that is closed where the piece begins, an instant after its event
+
+
 def flights_of(pieces: Any, aloft: Array) -> list[tuple[int, Event]]:
     """Take-offs and landings, each with the number of its node; a landing followed by an immediate rebound counts too."""
     flights = []
@@ -116,7 +119,8 @@ def flights_of(pieces: Any, aloft: Array) -> list[tuple[int, Event]]:
         contact, up, mode = pieces.layout.contacts[i], aloft[:, i], pieces.mode[:, i]
         rate = pieces.coefficients[:, contact.inner[1]]
         before, after = rate[:-1].sum(axis=1), rate[1:, 0]
-        closed = pieces.coefficients[1:, contact.inner[0], 0] == 0.0  # else a hit elsewhere has thrown up what flies
+        gap = abs(pieces.coefficients[1:, contact.inner[0]])
+        closed = gap[:, 0] <= _CLOSED * gap.sum(axis=1)  # else a hit elsewhere has thrown up what flies
         thrown = (before < 0.0) & (after >= 0.0) & up[:-1] & closed
         kinds = np.select([~up[:-1] & up[1:], thrown | (up[:-1] & ~up[1:])], ["take-off", "landing"], "")
         for n in np.flatnonzero(kinds != ""):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from stickslip.basics.status import Status
 from stickslip.dynamics.derivatives.tangents import jacobian_of
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_map
 from stickslip.maths import cos, sin, sqrt
+from stickslip.results.events import flights_of
 
 G = 9.81
 
@@ -167,11 +169,24 @@ def test_a_box_hops_lands_and_stays_as_the_judge_says():
     whole, (up, down) = ss.hops(run), (run.events[0].t, run.events[1].t)
     assert whole.landings == 2 and whole.speed == -run.events[1].velocity and whole.height == pytest.approx(run.x[:, 1].max(), rel=1e-3)
     assert whole.fraction == pytest.approx((down - up + run.events[4].t - run.events[3].t) / 0.9, rel=1e-12)
-    many = agrees(hopper(0.4), HOP, 1.3)
+    table = ss.friction.Tabulated((0.0, 0.5, 2.0), (0.35, 0.3, 0.25), (0.35, 0.3, 0.25))  # whose conditions are asked at hits too
+    many = agrees(Hopper(200.0, table, 0.4), HOP, 1.3)
     assert len(many.events) == 23 and sum(event.kind == "take-off" for event in many.events) == 2
     aloft = many.at([0.3])
     assert aloft["load"][0, 0] == aloft["friction_force"][0, 0] == 0.0
     assert aloft["acceleration"][0, 0] == 0.0 and np.dot([1.5, 0.5], aloft["acceleration"][0, 1:]) == pytest.approx(-1.5 * G, abs=1e-12)
+
+
+def test_a_rebound_is_one_though_its_piece_begins_an_instant_after_it():
+    """The gap is then what a rounding of time makes of its rate, and not zero; a gap that a hit elsewhere changes is none."""
+    contact = SimpleNamespace(inner=(0, 1), name="foot")
+    flight = lambda first, last: [[first, last - first], [1.0, -2.0]]  # noqa: E731
+    for gap, kinds in ((6e-21, ["landing"]), (0.02, [])):
+        coefficients = np.array([flight(0.03, gap), flight(gap, 0.01)])
+        pieces = SimpleNamespace(
+            layout=SimpleNamespace(contacts=[contact]), mode=np.ones((2, 1)), coefficients=coefficients, t=np.arange(3.0)
+        )
+        assert [event.kind for _, event in flights_of(pieces, np.ones((2, 1), bool))] == kinds
 
 
 def test_batches_gradients_and_simulations_know_flights():

@@ -201,8 +201,8 @@ def test_below_four_thirds_a_rod_slides_at_any_angle_and_beyond_it_a_run_begins_
             ss.solve(Rod(0.5, ss.Coulomb(1.34, 1.34)), duration=0.3, start=start, method=method)
 
 
-def both(self):
-    return {"rail": ss.Contact("cart", self.friction, hold="both"), "pivot": ss.Contact("angle", self.friction, load=0.1)}
+def both(self, law=None):
+    return {"rail": ss.Contact("cart", self.friction, hold="both"), "pivot": ss.Contact("angle", law or self.friction, load=0.1)}
 
 
 def rail(self, body, **given):
@@ -355,11 +355,34 @@ def test_static_friction_above_kinetic_with_a_load_that_follows():
         assert len(run.events) == 0 and np.all(run.v[:, 0] == 0.0) and run.contacts["rail"].mode[0] == 0
 
 
+@dataclass(frozen=True, eq=False)
+class Hinged(CartPole):
+    """The same with a hinge that rubs."""
+
+    hinge: float
+
+    def contacts(self):
+        return {**super().contacts(), "hinge": ss.Contact("angle", ss.Coulomb(1.0, 1.0), load=self.hinge)}
+
+
+def test_a_rail_and_a_hinge_that_rubs_are_decided_together():
+    """Both rest, one breaks away and takes the other along; derivatives are differences; formulas say what the rail bears."""
+    machine, start = Hinged(1.5, 0.5, 0.5, ss.Coulomb(0.1, 0.08, 0.12, 0.1), 0.2), {"x": {"angle": 0.8}, "v": {"angle": 2.0}}
+    run = agrees(machine, start, 2.0, "finished")
+    assert len(run.events) > 5 and {event.part for event in run.events} == {"rail", "hinge"}
+    run = ss.solve(machine, duration=0.5, start=start)
+    near = [ss.solve(machine.replace({"hinge": 0.2 + h}), duration=0.5, start=start) for h in (1e-6, -1e-6)]
+    far = np.subtract(*[np.r_[each.v[-1], each.x[-1, 1:]] for each in near]) / 2e-6
+    assert np.allclose(ss.dynamics.sensitivity(run, wrt=["hinge"]).state[0], far, rtol=1e-6, atol=1e-7)
+    assert r"N_{\mathrm{rail}} &= \left|" in ss.latex(machine) and r"N_{\mathrm{hinge}} &= " in ss.latex(machine)
+
+
 @each_row(
     "changed, law, words",
     [
         ({}, ss.friction.LuGre.example(), "has inner states"),
-        ({"contacts": both}, ss.Coulomb(0.1, 0.1), "solved for where it is the only contact"),
+        ({"contacts": lambda self: both(self, ss.friction.LuGre.example())}, ss.Coulomb(0.1, 0.1), "give all loads"),
+        ({"contacts": lambda self: {**both(self), "other": both(self)["rail"]}}, ss.Coulomb(0.1, 0.1), "3 points, one rail and given loads"),
         ({"contacts": lambda self: {"foot": ss.Contact("cart", self.friction, hold="push")}}, ss.Coulomb(0.1, 0.1), "never leaves it"),
         ({"contacts": lambda self: rail(self, "bob", on=0.1)}, ss.Coulomb(0.1, 0.1), "do not move"),
         ({"contacts": lambda self: rail(self, "cart", on=0.1)}, ss.Coulomb(0.1, 0.1), "do not move"),

@@ -115,7 +115,7 @@ def test_a_block_falls_slides_and_tips_as_a_program_by_hand_says(mu, e, x, v, en
             assert np.allclose(getattr(run, what)[-1], getattr(judge, what)[-1], rtol=0, atol=1e-11)
 
 
-def test_batches_and_simulations_know_two_feet():
+def test_batches_simulations_and_formulas_know_two_feet():
     tall, mu = 0.3, np.array([0.2, 0.5])
     start = {"x": {"z": 0.4, "angle": 0.2}, "v": {"x": 0.5}}
     batch = ss.solve(block(mu, 0.0, tall), duration=0.5, start=start)
@@ -125,9 +125,6 @@ def test_batches_and_simulations_know_two_feet():
     for _ in range(5):
         simulation.step(0.1)
     assert np.allclose(simulation.state["x"], singles[0].x[-1], rtol=0, atol=1e-13)
-
-
-def test_equations_of_two_feet():
     tex = ss.latex(block(1.0, 0.0, 0.5))
     assert r"\ddot z &= N_{\mathrm{left}} + N_{\mathrm{right}} - 9.81 \\" in tex
     assert r"h_{\mathrm{left}} &= z - \mathrm{half} \, \sin{\left(\mathrm{angle} \right)} - \mathrm{tall} \, \cos{\left(" in tex
@@ -137,7 +134,7 @@ def test_equations_of_two_feet():
 def test_what_does_not_know_several_feet_says_so():
     rocks = block(1.0, 0.0, 0.5)
     on_a_slope = {name: contact.replace(on=lambda x: 0.1 * x) for name, contact in rocks.contacts().items()}
-    with pytest.raises(InputError, match="two points of one body on a curve"):
+    with pytest.raises(InputError, match="points of one body on a curve"):
         type("Sloping", (Block,), {"contacts": lambda self: on_a_slope})(HALF, 0.5, ss.Coulomb(0.1, 0.1), 0.0)
     upright = {"coordinates": ("x", "z"), "places": lambda self, t, q: {"block": (q["x"], q["z"])}}
     with pytest.raises(InputError, match="no coordinates decide what each of them bears"):
@@ -146,8 +143,45 @@ def test_what_does_not_know_several_feet_says_so():
     def three(self):
         return {**Block.contacts(self), "middle": ss.Contact("block", self.friction, hold="push", restitution=0.0)}
 
-    with pytest.raises(InputError, match="or one of two points that push"):
+    with pytest.raises(InputError, match="statically indeterminate"):
         type("Three", (Block,), {"contacts": three})(HALF, 0.5, ss.Coulomb(0.1, 0.1), 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Leg(ss.Machine):
+    """A hip on a leg whose joint rubs, and whose foot is on the ground or off it."""
+
+    friction: Any
+    load: float
+    restitution: float
+    coordinates = ("x", "z", "angle")
+    time_scale, velocity_scale = 0.5, 1.0
+
+    def bodies(self):
+        return {"hip": ss.Body(0.5), "leg": ss.Body(0.4, inertia=0.003)}
+
+    def places(self, t, q):
+        leg = q["x"] + 0.15 * sin(q["angle"]), q["z"] - 0.15 * cos(q["angle"]), q["angle"]
+        return {"hip": (q["x"], q["z"]), "leg": leg}
+
+    def forces(self, t, q, u):
+        return {"angle": 0.9 * sin(9.0 * t) - 2.0 * q["angle"], "x": -3.0 * q["x"]}
+
+    def contacts(self):
+        foot = ss.Contact("leg", self.friction, at=(0.0, -0.15), hold="push", restitution=self.restitution)
+        return {"foot": foot, "joint": ss.Contact("angle", ss.CoulombViscous(1.0, 0.8, viscous=0.01), load=self.load)}
+
+
+def test_a_joint_that_rubs_above_a_foot_is_decided_with_it():
+    """A hit takes the joint's rest away, and the joint's friction changes what the foot bears: against the judge."""
+    machine, start = Leg(ss.Coulomb(0.4, 0.3), 0.2, 0.3), {"x": {"z": 0.32, "angle": 0.3}, "v": {"x": 0.5}}
+    run, judge = (ss.solve(machine, duration=0.6, start=start, **given) for given in ({}, {"method": "dop853", "rtol": 1e-12}))
+    assert [(a.kind, a.part) for a in run.events] == [(b.kind, b.part) for b in judge.events] and len(run.events) > 8
+    assert {"landing", "stick", "slip"} <= {event.kind for event in run.events} and run.method == "exact"
+    assert max(abs(a.t - b.t) for a, b in zip(run.events, judge.events, strict=True)) < 1e-11
+    for what in ("x", "v", "load", "friction_force"):
+        assert np.allclose(getattr(run, what)[-1], getattr(judge, what)[-1], rtol=0, atol=1e-10)
+    assert abs(ss.energy(run).residual).max() < 1e-13
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,7 +23,8 @@ from stickslip.models.said_of_motion import inertia_of_machine, kinetic_of_machi
 _FLAT = 1e-12  # of the product of a matrix's diagonal: a determinant that is zero
 _LOOKS = 3
 _FLAT_ROWS = 1e-9  # of their largest part: rows of which one follows from the others
-_FEET = 2  # points that push on the ground at once
+_FEET = 3  # points that push on the ground at once
+_MOST = 64  # combinations of slips, rests and flights that are decided together
 _PLACES = 'def places(self, t, q): return {"cart": (q["x"], 0.0)}'
 
 
@@ -160,8 +161,8 @@ def _check_numbers(m: AnyCoordinates, problems: Problems) -> None:
     for i, contact in enumerate(m.touching if not problems.mistakes else ()):
         if contact.is_held:
             _check_rail(m, i, problems)
-    if not problems.mistakes and len(m.flying) > 1:
-        _check_feet(m, states, problems)
+    if not problems.mistakes and m.together:
+        _check_together(m, states, problems)
 
 
 def _lost(m: AnyCoordinates, states: list[tuple[float, ...]]) -> list[str]:
@@ -187,23 +188,57 @@ def _lost(m: AnyCoordinates, states: list[tuple[float, ...]]) -> list[str]:
     return lost
 
 
+def _check_together(m: AnyCoordinates, states: list[tuple[float, ...]], problems: Problems) -> None:
+    """Note contacts of which some follow from the motion, and that cannot be decided together."""
+    held, points = [i for i, contact in enumerate(m.touching) if contact.is_held], len(m.flying)
+    type_load = "type load=, a force [N] or a function of time and coordinates"
+    for i in held:
+        if m.touching[i].pushes and i not in m.flying:
+            problems.add(
+                f"contacts()[{m.contacts[i]!r}].restitution is not given; beside other contacts a point that pushes may take off and land; "
+                f"type restitution=0.0, or {type_load}"
+            )
+    for name, law in zip(m.contacts, m.laws, strict=True):
+        if law.dynamic:
+            problems.add(
+                f"contacts()[{name!r}]: {law.name} has inner states; where the load of another contact follows from the motion, allowed "
+                "are laws that rest exactly; type ss.Stribeck(...), or give all loads"
+            )
+    rails, loads = len(held) - points, len(m.contacts) - len(held)
+    count = 4**points * 6**rails * 3**loads
+    if points > _FEET or rails > 1 or count > _MOST:
+        problems.add(
+            f"contacts() has {points} points that push, {rails} rails and {loads} given loads; decided together are {_FEET} points, one "
+            f"rail and given loads, in {_MOST} ways (4 of a point, 6 of a rail, 3 of a load): these have {count}; leave one out"
+        )
+    if not problems.mistakes and points > 1:
+        _check_feet(m, states, problems)
+
+
 def _check_feet(m: AnyCoordinates, states: list[tuple[float, ...]], problems: Problems) -> None:
     """Note points that touch, or rest, together in more ways than coordinates can decide."""
-    names, feet = " and ".join(map(repr, m.contacts)), [contact for contact in m.touching if contact.keeps_height]
-    one_body = len({contact.contact.body for contact in feet}) == 1
-    if one_body and any(contact.curve is not None for contact in feet):
+    feet = {m.contacts[i]: m.touching[i] for i in m.flying}
+    bodies = [contact.contact.body for contact in feet.values()]
+    shared = [name for name, contact in feet.items() if contact.curve is not None and bodies.count(contact.contact.body) > 1]
+    names = " and ".join(map(repr, shared or feet))
+    if shared:
         problems.add(
-            f"contacts() {names} are two points of one body on a curve; two points of one are solved for on flat ground; "
-            "leave on out, or one of them"
+            f"contacts() {names} are points of one body on a curve; several points of one are solved for on flat ground; leave on out, or "
+            "all but one of them"
         )
         return
+    first = [bodies.index(body) == k for k, body in enumerate(bodies)]  # points of one body have one slip
     for q in states:
-        rows = [of for contact in feet for of in (contact.heights_at(q), *(() if one_body else (contact.row_at(q),)))]
+        rows = [
+            of
+            for contact, own in zip(feet.values(), first, strict=True)
+            for of in (contact.heights_at(q), *([contact.row_at(q)] if own else []))
+        ]
         table = np.array([[float(np.ravel(part)[0]) for part in row] for row in rows])
         if np.linalg.matrix_rank(table, tol=_FLAT_ROWS * np.max(abs(table))) < len(rows):
             problems.add(
-                f"contacts() {names}: no coordinates decide what each of them bears where both touch or rest; allowed are points that "
-                "coordinates can move apart, such as two of a body with an angle; leave one of them out"
+                f"contacts() {names}: no coordinates decide what each of them bears where all touch or rest (statically indeterminate); "
+                "allowed are points that coordinates can move apart, such as two of a body with an angle; leave one of them out"
             )
             return
 
@@ -212,11 +247,6 @@ def _check_rail(m: AnyCoordinates, i: int, problems: Problems) -> None:
     """Note a rail whose load cannot be solved for."""
     where, given, law = f"contacts()[{m.contacts[i]!r}]", m.touching[i].contact, m.laws[i]
     type_load = "type load=, a force [N] or a function of time and coordinates"
-    if len(m.contacts) > 1 and not 1 < len(m.flying) == len(m.contacts) <= _FEET:
-        problems.add(
-            f"{where}: a load that follows from the motion is solved for where it is the only contact, or one of two points that "
-            f'push, each with hold="push" and restitution=; {type_load}'
-        )
     if len(m.along(0.0, m.start)[given.body]) == 1:
         problems.add(f"{where}: {given.body!r} moves along a line, which has no normal; its place has to be (x, z); or {type_load}")
     elif m.touching[i].rubs_on_body and loose(m) != [given.on]:

@@ -193,7 +193,7 @@ class OwnRoute:
             free = self._moved(state.shape, state.h, self._keeping(frozenset(), state.shape))[1][i]
             s = self.steepness(i, state.shape)
             return s * free, -s * self._moved(state.shape, [-g for g in row], self._keeping(frozenset()))[1][i]
-        need, by = self._needed(i, state)
+        need, by = self.needed(i, state)
         free = need + sum(c * a for c, a in zip(by, solution(state.shape.M, state.h), strict=True))
         return free, sum(c * a for c, a in zip(by, solution(state.shape.M, row), strict=True))
 
@@ -376,7 +376,7 @@ class OwnRoute:
         return matrix, linear
 
     # ---- rails ----
-    def _needed(self, i: int, state: _State) -> tuple[Any, Floats]:
+    def needed(self, i: int, state: _State) -> tuple[Any, Floats]:
         """The force along a rail's normal that what it bears needs: without accelerations of coordinates, and by each of these."""
         normal, n = self._normal(i, state.shape.places), len(self.names)
         need: Any = 0.0
