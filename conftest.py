@@ -25,6 +25,8 @@ _began = pytest.StashKey[float]()
 def pytest_configure(config):
     """Before any worker starts: they inherit the environment, and so one kernel cache."""
     os.environ.setdefault("MPLBACKEND", "Agg")
+    # Matrices here have ten rows: a second thread of OpenBLAS only spins, on a core that another worker needs.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     config.stash[_began] = time.time()
     if not os.environ.get(CACHE):
         config.stash[_made_here] = os.environ[CACHE] = tempfile.mkdtemp(prefix="stickslip-test-cache-")
