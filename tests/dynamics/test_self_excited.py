@@ -94,6 +94,7 @@ def test_under_a_law_with_bristles_stick_slip_ends_at_a_fold_just_beyond_the_tou
     assert touch.value == pytest.approx(0.6656146572272, abs=touch.accuracy) and touch.accuracy < 1e-10
     assert fold.value == pytest.approx(0.6656146601227, abs=fold.accuracy) and fold.accuracy < 1e-10
     assert fold.orbit.multipliers[0] == pytest.approx(1.0, abs=1e-5)
+    assert branch.orbits[0].motion.type == branch.orbits[0].type == "stick-slip"
     assert _sticks_beside(LUGRE, fold.value, 1e-9, turns=300, begun=fold.orbit.strobe_state).tolist() == [True, False]
     assert ss.periodic_orbit(belt(LUGRE, fold.value - 1e-10), guess=fold.orbit).residual < 1e-12
     with pytest.raises(ss.StickslipError, match="beside a fold"):  # what returns there within 2e-10 is no cycle

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.analysis.run_segments import WatchedContact, segments_within, watched_contacts
+from stickslip.analysis.run_segments import segments_within, watched_contacts
 from stickslip.analysis.section_choice import cut_of, passages
 from stickslip.basics.arguments import described_as
 from stickslip.basics.contracts import Array
@@ -55,8 +56,8 @@ class Oscillation(Drawn):
     Parameters
     ----------
     type : str
-        "stick-slip" (some contact sticks for a part of the cycle), "slip" (no contact ever sticks), "oscillation" (there is no contact),
-        "steady" (no velocity changes), or "not settled": then all other numbers are those of the last turn. Where the second half of the
+        As of a limit cycle, see `kind_of_cycle`: "stick-slip", "slip", "reversing" or "oscillation"; or "steady" (no velocity changes),
+        or "not settled": then all other numbers are those of the last turn. Where the second half of the
         run has no whole turn, velocities and contacts are those of this half, and the other numbers are NaN.
     period : int or None
         Turns until it repeats, 1 to 16; None of what does not repeat within the run, or is steady.
@@ -201,6 +202,26 @@ def oscillation_of_cycle(run: Trajectory, turns: int, change: float) -> Oscillat
     return _of_stretch(run, "", turns, float(run.pieces.t[0]), float(run.pieces.t[-1]), change, SLIP_RATIO, DWELL)
 
 
+def kind_of_cycle(patterns: Sequence[str], inner_states: bool) -> str:
+    """What a cycle is, by the signs of the slip of each contact in it, 0 where it rests.
+
+    Stick-slip: a contact rests or, with inner states, which let no contact rest, its slip changes sign. Slip: all slide on one side.
+    Reversing: on both, without rest. Oscillation: there is no contact.
+
+    Examples
+    --------
+    >>> kind_of_cycle(["0-"], False), kind_of_cycle(["+-"], True), kind_of_cycle(["-"], True), kind_of_cycle(["+-", "+"], False)
+    ('stick-slip', 'stick-slip', 'slip', 'reversing')
+    """
+    if not patterns:
+        return "oscillation"
+    if any("0" in pattern for pattern in patterns):
+        return "stick-slip"
+    if all(len(pattern) == 1 for pattern in patterns):
+        return "slip"
+    return "stick-slip" if inner_states else "reversing"
+
+
 def _velocities(run: Trajectory, t: Array) -> Array:
     """Velocities of the bodies at some instants (time, body)."""
     return np.asarray(run.at(t)["v"], float)
@@ -238,10 +259,13 @@ def _of_stretch(
     swing = np.ptp(x - drift * (t - begin)[:, None], axis=0) / 2
     layout = run.pieces.layout
     names = [body.name for body in layout.bodies]
-    contacts = {name: _contact(each, begin, end, slip_ratio, dwell) for name, each in watched_contacts(run).items()}
-    if not kind:
-        sticks = any(each.stick_fraction > 0 for each in contacts.values())
-        kind = "stick-slip" if sticks else "slip" if contacts else "oscillation"
+    segments = {name: segments_within(each, begin, end, slip_ratio) for name, each in watched_contacts(run).items()}
+    contacts = {name: _contact(edges, code, dwell) for name, (edges, code, _) in segments.items()}
+    if not kind:  # however short its intervals are
+        signs = [
+            {*contacts[name].pattern, *("-0+"[1 + side] for side in np.sign(code).tolist())} for name, (_, code, _) in segments.items()
+        ]
+        kind = kind_of_cycle(["".join(each) for each in signs], machine_of(run.model).has_inner_states)
     m = machine_of(run.model).mechanics
     rates = m.coordinates_of(tuple(drift))
     mean = float(sum(float(share) * rate for share, rate in zip(m.shares, rates, strict=True)))
@@ -273,10 +297,9 @@ def _is_as_before(run: Trajectory, column: str, body: int, level: float, before:
     return np.asarray(_is_above(run, column, body, level, t) == before)
 
 
-def _contact(watched: WatchedContact, begin: float, end: float, slip_ratio: float, dwell: float) -> ContactOscillation:
-    """What one contact does in a stretch."""
-    edges, code, _ = segments_within(watched, begin, end, slip_ratio)
-    time = np.diff(edges) / (end - begin)
+def _contact(edges: Array, code: Array, dwell: float) -> ContactOscillation:
+    """What one contact does in the intervals between these instants, by the signs of its slip."""
+    time = np.diff(edges) / (edges[-1] - edges[0])
     merged = intervals_of(np.array([len(time)]), time[None, :], code[None, :], dwell)
     parts = [float(merged.length[0][merged.sign[0] == sign].sum()) for sign in (0, 1, -1)]
     return ContactOscillation(_from_rest(str(merged.pattern[0])), *parts)

@@ -57,7 +57,8 @@ VARIABLES: dict[str, Variable] = {
             "type",
             "",
             _EACH_CONTACT,
-            "motion type: rest, presliding, I, II, III, IV or other; without a drive stick-slip, slip, steady or not settled",
+            "motion type: rest, presliding, I, II, III, IV or other; "
+            "without a drive stick-slip, slip, reversing, oscillation, steady or not settled",
             "U11",
         ),
         Variable(

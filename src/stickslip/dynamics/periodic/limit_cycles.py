@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.analysis.oscillation import Oscillation, oscillation_of_cycle
+from stickslip.analysis.oscillation import Oscillation, kind_of_cycle, oscillation_of_cycle
 from stickslip.analysis.section_choice import Asked, asked_for, cut_of, passages, switches_in
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, SolveError
@@ -140,19 +140,8 @@ class LimitCycle(ClosedMotion):
 
     @property
     def type(self) -> str:
-        """Kind of cycle: "stick-slip", "slip", "reversing" or "oscillation".
-
-        Stick-slip: a contact rests, or, under a dynamic law, its velocity passes zero. Slip: all slide on one side. Reversing: on
-        both, without rest. Oscillation: there is no contact.
-        """
-        patterns = self.patterns.values()
-        if not patterns:
-            return "oscillation"
-        if any("0" in pattern for pattern in patterns):
-            return "stick-slip"
-        if all(len(pattern) == 1 for pattern in patterns):
-            return "slip"
-        return "stick-slip" if machine_of(self.model).has_inner_states else "reversing"
+        """Kind of cycle: "stick-slip", "slip", "reversing" or "oscillation", see `stickslip.analysis.oscillation.kind_of_cycle`."""
+        return kind_of_cycle(list(self.patterns.values()), machine_of(self.model).has_inner_states)
 
     def _facts(self) -> dict[str, Any]:
         stability = f"{self.stability}; {self._multipliers_text}"
