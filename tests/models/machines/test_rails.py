@@ -382,7 +382,7 @@ def test_a_rail_and_a_hinge_that_rubs_are_decided_together():
     [
         ({}, ss.friction.LuGre.example(), "has inner states"),
         ({"contacts": lambda self: both(self, ss.friction.LuGre.example())}, ss.Coulomb(0.1, 0.1), "give all loads"),
-        ({"contacts": lambda self: {**both(self), "other": both(self)["rail"]}}, ss.Coulomb(0.1, 0.1), "3 points, one rail and given loads"),
+        ({"contacts": lambda self: {**both(self), "other": both(self)["rail"]}}, ss.Coulomb(0.1, 0.1), "3 points, one rail"),
         ({"contacts": lambda self: {"foot": ss.Contact("cart", self.friction, hold="push")}}, ss.Coulomb(0.1, 0.1), "never leaves it"),
         ({"contacts": lambda self: rail(self, "bob", on=0.1)}, ss.Coulomb(0.1, 0.1), "do not move"),
         ({"contacts": lambda self: rail(self, "cart", on=0.1)}, ss.Coulomb(0.1, 0.1), "do not move"),
