@@ -275,6 +275,20 @@ class Trajectory(Drawn, Judged, RunFiles):
         """Take-offs and landings, each with the number of its node."""
         return flights_of(self.pieces, self._aloft)
 
+    @cached_property
+    def _thrown_together(self) -> tuple[str, ...]:
+        """Names of the points that landed at one instant and of which some were thrown up: a motion beside hits with one after the other.
+
+        Where and how fast it goes on then is something else, however near it began: there is no derivative through such a hit.
+        """
+        landed: dict[int, list[str]] = {}
+        for node, event in self._flights:
+            if event.kind == "landing":
+                landed.setdefault(node, []).append(event.part)
+        names = list(self.contacts)
+        thrown = (of for node, of in landed.items() if len(of) > 1 and any(self._aloft[node, names.index(name)] for name in of))
+        return tuple(dict.fromkeys(name for of in thrown for name in of))
+
     @property
     def _lost(self) -> list[str]:
         """Names of the contacts that were lost at the end."""

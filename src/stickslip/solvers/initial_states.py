@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 
 _SAME = 1e-9  # of the largest position or velocity: how well bodies at a prescribed distance must keep it
+_FLAT = 1e-12  # of the product of a matrix's diagonal: a determinant that is zero
+_LOOKED = 1000  # starts of a batch whose matrices are looked at
 
 
 LARGEST_START = 1e9
@@ -108,6 +110,8 @@ def _move(m: Mechanics, model: Model, fill: _Filling, q: Array, u: Array) -> Non
     else:
         _put_columns(m.start, q)
     _check_stops(m, q, fill.problems)
+    if m.joined:
+        _check_inertia(m, q, fill.problems)
     _check_heights(m, q, u, fill.problems)
 
 
@@ -230,6 +234,22 @@ def _check_loads(mechanics: Mechanics, loads: Any, problems: Problems) -> None:
             where = f" of the contact {name!r}" if mechanics.joints else ""
             mistake = f"the load{where} is {float(np.max(load)):.4g} N at the start, so there is no contact"
             problems.add(f"{mistake}; allowed is more than zero; give another load=, or restitution=0.0 for a body that flies and lands")
+
+
+def _check_inertia(mechanics: Any, q: Array, problems: Problems) -> None:
+    """Note a matrix of inertia without an inverse where a run begins, as at places that do not change with a coordinate there."""
+    some = q[:_LOOKED]
+    M = np.stack([_columns(row, len(some)) for row in mechanics.matrix(0.0, tuple(some.T))], axis=1)
+    size = np.prod(np.diagonal(M, axis1=1, axis2=2), axis=1)
+    with np.errstate(invalid="ignore"):
+        flat = ~(np.linalg.det(M) > _FLAT * size)
+    if np.any(flat):
+        k = int(np.argmax(flat))
+        at = ", ".join(f"{name} = {value:.4g}" for name, value in zip(mechanics.bodies, some[k], strict=True))
+        problems.add(
+            f"the matrix of inertia has no inverse at the start, where {at}: nothing with mass moves with one of the coordinates there; "
+            "allowed are places at which it has one; type start={'x': {...}} away from there, or other coordinates"
+        )
 
 
 def _check_heights(mechanics: Mechanics, q: Array, u: Array, problems: Problems) -> None:

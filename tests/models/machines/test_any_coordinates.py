@@ -311,11 +311,15 @@ RAIL = lambda self: {"rail": ss.Contact("cart", self.friction, load=1.0)}  # noq
         ({"stops": lambda self: {("x", None): ss.Stop(gap=0.1, restitution=0.5)}}, "stops with restitution are not there yet"),
         ({"links": lambda self: {("bob", None): ss.Spring(3.0)}}, "type ss.Point(None, at=(0.0, 0.0))"),
         ({"principal": "bob"}, "principal = 'bob'"),
+        ({"contacts": lambda self: {"rail": ss.Contact("cart", self.friction, at=(0.1, 0.0, 0.0), load=1.0)}}, "type at=(0.1, 0.0)"),
+        ({"contacts": lambda self: {"rail": ss.Contact("cart", self.friction, at=(0.1, np.nan), load=1.0)}}, "at[1] = nan"),
+        ({"contacts": lambda self: {"hinge": ss.Contact("angle", self.friction, at=(0.1, 0.0), load=1.0)}}, "with a body's name"),
+        ({"places": lambda self, t, q: {"cart": (q["x"], 0.0), "bob": (0.0, q["angle"] ** 2)}}, "at the start, where x = 0, angle = 0"),
     ],
 )  # fmt: skip
 def test_what_is_wrong_with_coordinates_is_said_with_what_to_type(changed, words):
     with pytest.raises(InputError, match=re.escape(words)):
-        with_(**changed)(1.0, 0.3, 0.5, 4.0, 5.0, COULOMB)
+        ss.solve(with_(**changed)(1.0, 0.3, 0.5, 4.0, 5.0, COULOMB), duration=0.1)
 
 
 def test_forces_of_a_simulation_act_along_the_coordinates():

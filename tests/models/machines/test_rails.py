@@ -228,7 +228,7 @@ def agrees(model, start, duration, end):
     ended = end == Status.PAINLEVE.sentence  # a part of 1e-10 of the border before it, where loads are infinite
     for name in ("x", "v", "load")[: 1 if ended else 3]:
         assert np.allclose(getattr(run, name)[-1], getattr(judge, name)[-1], rtol=0, atol=1e-10)
-    assert np.max(abs(ss.energy(run).residual)) < (1e-8 if ended else 1e-13)
+    assert np.max(abs(ss.energy(run).residual)) < 1e-13
     return run
 
 

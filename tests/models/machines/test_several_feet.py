@@ -125,6 +125,9 @@ def test_batches_simulations_and_formulas_know_two_feet():
     for _ in range(5):
         simulation.step(0.1)
     assert np.allclose(simulation.state["x"], singles[0].x[-1], rtol=0, atol=1e-13)
+    thrown = [ss.solve(block(0.2, e, tall), duration=0.4, start={"x": {"z": 0.4}, "v": {"x": 0.5}}) for e in (0.0, 0.3)]
+    notes = [ss.dynamics.sensitivity(run, wrt=["half"]).notes for run in thrown]  # both corners hit at one instant, and stay, or do not
+    assert notes[0] == () and "left and right land at one instant and are thrown up" in notes[1][0]
     tex = ss.latex(block(1.0, 0.0, 0.5))
     assert r"\ddot z &= N_{\mathrm{left}} + N_{\mathrm{right}} - 9.81 \\" in tex
     assert r"h_{\mathrm{left}} &= z - \mathrm{half} \, \sin{\left(\mathrm{angle} \right)} - \mathrm{tall} \, \cos{\left(" in tex

@@ -118,6 +118,8 @@ class PeriodicOrbit(ClosedMotion):
             return f"central differences of the strobe map, as {why}; with steps four times as long the matrix changes by {moved.max():.1e}"
         if not np.isfinite(self.monodromy).all():
             return "a switch is touched without being crossed: the map has no derivative there"
+        if names := self.run._thrown_together:
+            return f"{' and '.join(names)} land at one instant and are thrown up: motions beside do so one by one, and the map jumps"
         source = "tangent of the system along the orbit, through every switch"
         if self._is_neutral:
             source += "; a contact that rests all the time may rest anywhere nearby, which adds a multiplier of 1"

@@ -111,9 +111,12 @@ def _check_contact(name: Any, contact: Any, machine: Any, problems: Problems) ->
             checked_number(f"{where}.body[{each!r}]", g, problems, None, "a coefficient", f"{{{each!r}: 0.5}}")
     elif contact.body not in bodies and contact.body not in names:
         problems.add(f"{where}.body = {contact.body!r}; {did_you_mean(str(contact.body), (*bodies, *names))}")
+        return
     of_body = isinstance(contact.body, str) and contact.body in bodies
     if isinstance(contact.on, str) and not (of_body and contact.on in bodies and contact.on != contact.body):
         problems.add(f"{where}.on = {contact.on!r}; allowed is another body, for a contact of a body; {did_you_mean(contact.on, bodies)}")
+    if contact.at is not None:
+        _check_point(where, contact.at, of_body, problems)
     if contact.hold not in (None, "both", "push"):
         problems.add(f'{where}.hold = {contact.hold!r}; allowed are "both", a rail, and "push", the ground; type hold="both"')
     elif contact.hold == "push" and contact.load is not None:
@@ -138,6 +141,16 @@ def _check_contact(name: Any, contact: Any, machine: Any, problems: Problems) ->
         problems.add(f"{where}.{sentence}" if sentence.startswith("friction") else f"{where}: {sentence}")
 
 
+def _check_point(where: str, at: Any, of_body: bool, problems: Problems) -> None:
+    """Note what is no point of a body."""
+    allowed, typed = "(a, b), a point of a body in the body's own axes, from its place [m]", "at=(0.1, 0.0)"
+    if not of_body or not isinstance(at, tuple) or len(at) != 2:
+        problems.add(f"{where}.at = {at!r}; allowed is {allowed}; type {typed}" + ("" if of_body else ", with a body's name"))
+        return
+    for k, part in enumerate(at):
+        checked_number(f"{where}.at[{k}]", part, problems, None, "a finite number [m]", typed)
+
+
 def _check_numbers(m: AnyCoordinates, problems: Problems) -> None:
     """Note what shows at numbers only: a singular matrix, rows that vary with the place, and places that time moves."""
     draw = random.Random(20261129)
@@ -154,7 +167,8 @@ def _check_numbers(m: AnyCoordinates, problems: Problems) -> None:
     for name in _lost(m, states):
         problems.add(
             f"nothing moves with the coordinate {name!r} alone: the matrix of inertia has no inverse; allowed are coordinates that each "
-            "move a body with mass, and of which none follows from the others; leave it out, or give it a mass"
+            "move a body with mass, and of which none follows from the others; let places() depend on it, give what it turns an inertia=, "
+            "or leave it out"
         )
     for name, contact in zip(m.contacts, m.touching, strict=True) if not problems.mistakes else ():
         _check_row(name, contact, problems)
