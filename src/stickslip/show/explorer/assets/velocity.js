@@ -6,7 +6,7 @@ const box = document.getElementById("velocity"), legend = document.getElementByI
 let chart = null, kinds = "", zoomed = null, range = null, last = null, unit = prefix(1e-3);
 
 function series(curves) {
-  return curves.map((c) => ({ label: c.label, stroke: c.colour, width: 1.8, dash: c.dash, points: { show: false }, spanGaps: false }));
+  return curves.map((c) => ({ label: c.label, stroke: c.colour, width: 1.8, dash: c.dash, pxAlign: 0, points: { show: false }, spanGaps: false }));
 }
 
 function made(curves) {
