@@ -26,13 +26,13 @@ class Guard(NamedTuple):
     noise: float  # rounding: nothing has happened before it lies this far below zero
 
 
-def guards(e: Equations, t: float, y: Array, mode: ContactModes) -> list[Guard]:
-    """All of a mode, in an order that the mode alone decides."""
+def guards(e: Equations, t: float, y: Array, mode: ContactModes, with_noise: bool = True) -> list[Guard]:
+    """All of a mode, in an order that the mode alone decides; without the noise of slips where nobody asks for it."""
     if (of_points := e.guards_of_points(t, y, mode)) is not None:
         return of_points
     q, u = e.state(y)
     w = e.slips(t, q, u)
-    noise = e.noise_of_slips(t, q, u, w)
+    noise = e.noise_of_slips(t, q, u, w) if with_noise else [0.0] * len(w)
     loads = e.loads(t, y, mode)
     guards = [
         Guard("slip", i, 0, side * w[i] + e.no_reversal[i], noise[i] or NOTHING)
