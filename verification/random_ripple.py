@@ -23,7 +23,7 @@ from stickslip.models.drives.rippled import with_ripple
 
 Random = np.random.Generator
 NOISE, HUM = 0.08, 1.53  # noise in standard deviations of the velocity; frequency of the mains in that of the drive (50 Hz at 32.7 Hz)
-SETTLE, PERIODS, SAMPLES = 60, 20, 100  # drive periods before a record, and in it; samples in each
+SETTLE, PERIODS, SAMPLES = 600, 20, 100  # drive periods before a record, and in it; samples in each
 STARTS = 8
 
 #: What may be wrong with a record: its size, drawn.

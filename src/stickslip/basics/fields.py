@@ -531,11 +531,16 @@ def _named_plan(cls: type, prefix: str) -> tuple[tuple[str, str, str], ...]:
 def field_description(record: Any, name: str) -> Mapping[str, Any]:
     """The metadata of the field that a dotted name stands for; empty if there is no such field.
 
+    What a number measures may depend on the record around it, whose `measured_inside` then says so: field -> what `holding` gives.
+
     Examples
     --------
     >>> import stickslip as ss
     >>> field_description(ss.Chain.example(), "link.stiffness")["label"]
     'stiffness of the spring'
+    >>> joint = ss.Joint(0.01, ss.Coulomb(0.1), control=ss.machines.PID(kp=2.0, ki=0.0, kd=0.0, target=0.0))
+    >>> [field_description(each, "control.kp")["unit"] for each in (joint, joint.replace(motor=ss.machines.Motor(k_t=0.5, resistance=2.0)))]
+    ['N m/rad', 'V/rad']
     """
     description: Mapping[str, Any] = {}
     outer: Mapping[str, Any] = {}
@@ -544,8 +549,9 @@ def field_description(record: Any, name: str) -> Mapping[str, Any]:
             record = record[int(step)] if isinstance(record, tuple) else record
             continue
         own = {f.name: f.metadata for f in dataclasses.fields(record)} if dataclasses.is_dataclass(record) else {}
+        here = getattr(record, "measured_inside", {}).get(step)
         description, record = own.get(step, {}), getattr(record, step, None)
-        outer = description if "words" in description else outer
+        outer = here or (description if "words" in description else outer)
     return description_inside(description, outer)
 
 

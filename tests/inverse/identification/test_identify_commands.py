@@ -11,6 +11,7 @@ from stickslip.inverse.identification.commanded_logs import command_log
 from stickslip.inverse.identification.rounding import rounding_columns
 from stickslip.inverse.identification.structure import Left, structures
 from stickslip.inverse.identification.uncertainty import faults
+from stickslip.models.naming import axis_of
 from stickslip.solvers.followed import followed
 
 STEP, KP, SUPPLY = 0.01, 38.0, 14.4
@@ -67,6 +68,22 @@ def test_friction_inertia_and_motor_of_a_servo_from_one_log():
     rest = fit.predicted[0] - rec["angle"].si
     assert np.std(rest) == pytest.approx(2 * np.pi / 4096 * np.hypot(0.3, 1 / np.sqrt(12)), rel=0.15)
     assert "angle: rms" in fit.report() and set(fit.sensor) == {"delay", "zero", "begin"}
+
+
+def test_a_gap_in_which_nobody_knows_the_command_leaves_out_what_depends_on_it():
+    """A tenth of a second is missing: angles that are left follow the interpolated command within their noise, those after the gap do not.
+
+    Such a fit is that of a servo by its model's name, and the gains of its controller are in volts.
+    """
+    t, goal, true = angles(M1, 1.0, sines, 4.0)
+    y, there = shown(true, 5), (t < 2.0) | (t > 2.1)
+    holes = command_log(servo(), ss.Record.of(t[there], {"command [rad]": goal[there], "angle [rad]": y[there]}), None, "record 0")
+    x, _ = followed(servo(), holes.instants, {"control.target": holes.command})
+    off = abs(np.interp(t, holes.instants, x[0]) - true)
+    kept = np.isin(np.round(t, 9), np.round(holes.t, 9))
+    assert off[kept].max() < 0.25 * holes.sigma < off[there & ~kept].max() and 20 < (there & ~kept).sum() < 200
+    assert "the command is interpolated" in holes.cut and axis_of("control.kp", servo())[1] == "V/rad"
+    assert servo().friction_name == "servo model M1"
 
 
 def test_a_friction_that_is_not_there_ends_at_zero_and_is_no_fault():

@@ -5,6 +5,7 @@ import pytest
 
 import stickslip as ss
 from rows import each_row
+from stickslip.inverse.identification.covariance import information_of
 from stickslip.inverse.identification.measured_motion import motion_behind
 from stickslip.inverse.identification.smoothing import channel, smoothed
 
@@ -189,3 +190,18 @@ def test_a_chain_is_fitted_by_the_motion_of_the_body_that_is_named():
     fit = ss.identify(rec, chain, free=free, body="module 2", starts=4, sensor={})
     truth = chain.modules[1].friction.mu_plus
     assert abs(fit.values["modules.1.friction.mu_plus"] - truth) < 4 * fit.errors["modules.1.friction.mu_plus"]
+
+
+def test_noise_of_the_motion_is_in_the_derivatives_too():
+    """Viscous friction over a noisy position, whose fit over other noise is a quotient: attenuation is in what the noise changes."""
+    t, rng = np.arange(0.0, 4.0, 4e-3), np.random.default_rng(3)
+    x, v = 1e-3 * np.sin(9.0 * t), 9e-3 * np.cos(9.0 * t)
+    seen = x + rng.normal(0.0, 3e-4, len(t))
+    rec = ss.Record.of(t, {"x [m]": seen, "F [N]": 50.0 * v + rng.normal(0.0, 1e-3, len(t))}, roles={"x": "position", "F": "force"})
+    fit = ss.identify(rec, ss.friction.Viscous, free={"viscous": (1.0, 400.0)}, load=1.0, starts=1, sensor={})
+    problem = fit.problem.model
+    own, again = (np.where(each.targets[0].still, 0.0, each.targets[0].at) for each in (problem, problem.redrawn(5)))
+    moved = information_of(fit.problem, fit.jacobian).inverse[:, : fit.count] @ fit.changes[:, 5]
+    there = (again @ own) / (again @ again)  # of the slope over the other motion, in that over this one
+    attenuated = 1 - float(moved[0] * fit.slopes[0]) / fit.values["viscous"]
+    assert attenuated == pytest.approx(there, rel=1e-5) and abs(there - 1) > 2e-3

@@ -10,7 +10,7 @@ from rows import each_row
 from stickslip.inverse.identification.covariance import information_of, noise_sizes
 from stickslip.inverse.identification.law_forces import driven_force
 from stickslip.inverse.identification.motions import PrescribedMotion
-from stickslip.inverse.identification.steady_curves import steady_curve
+from stickslip.inverse.identification.steady_curves import periods_to_settle, steady_curve
 from stickslip.inverse.identification.weak_directions import sharpened
 
 RIG = ss.presets.piezo_rig
@@ -126,3 +126,14 @@ def test_derivatives_that_are_right_stay_as_they_are():
     J[:, 1] = 1e3 * J[:, 0] + 1e-3 * J[:, 1]
     assert sharpened(J, lambda direction: J @ direction, 1e-9) == pytest.approx(J, rel=1e-9)
     assert sharpened(J, lambda direction: None, 1e-9) == pytest.approx(J, rel=1e-12)
+
+
+def test_a_capsule_that_rests_at_every_strobe_has_its_two_periods_and_settles_slowly():
+    """Against 600 periods of `solve`, in which it settles by the rate that is said: its velocity at strobe times is zero each time."""
+    capsule = ss.presets.capsule(omega=1.0794, gap=0.082, force_ratio=0.98, damping_ratio=0.051)
+    curve, run = steady_curve(capsule, body=0), ss.solve(capsule, periods=602, keep="trajectory")
+    t = np.arange(50) / 50
+    late = [run.at((600 + k + t) * run.period_time)["v"] for k in (0, 1)]
+    assert curve.period == 2 and min(abs(curve.v(t + k) - late[0]).max() for k in (0, 1)) < 1e-4 < 0.1 * abs(late[1] - late[0]).max()
+    far = [abs(run.at((k + t) * run.period_time)["v"] - late[0]).max() for k in (300, 400)]
+    assert periods_to_settle(curve) == pytest.approx(100 / np.log10(far[0] / far[1]), rel=0.1)

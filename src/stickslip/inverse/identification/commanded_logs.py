@@ -12,6 +12,7 @@ from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, SolveError
 from stickslip.basics.fields import leaves
 from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.phrases import counted
 from stickslip.inverse.identification.parameters import OverParameters, Parameters
 from stickslip.inverse.identification.rounding import count_of
 from stickslip.inverse.identification.targets import Compared
@@ -28,6 +29,8 @@ _STEP = 1e-5  # of the distance between the bounds: differences for derivatives
 _EXACT = 1e-6  # of the range of an angle: noise that is left to a simulation, of which a record may be one
 _KEPT = 256  # motions of each log that are remembered
 _RESTS = 1e-6  # of the largest velocity: less is that of a servo at rest
+_GAP = 3.0  # usual times between samples: what was commanded in a longer one nobody knows
+_FORGOTTEN = 0.1  # of the noise: by less than this an angle does not depend on that any more
 _FIRST, _VERY_FIRST = 8, 4  # samples at the beginning that say how fast the motion begins, and those of them that must go that way
 _MOVES = 5.0  # standard errors of that velocity above which the motion does not begin at rest
 
@@ -136,10 +139,45 @@ def command_log(model: Model, rec: Record, sigma: float | None, label: str) -> C
     level, rate = _noise(y) if sigma is None else float(sigma), _rate(t, y)
     if rate:
         notes.append(f"the motion begins with {rate:.3g} rad/s")
-    at = np.searchsorted(instants, t)
-    return CommandLog(
-        t, y, level, weight, role, instants, command, at, rate, label, given_sigma=sigma is not None, cut="; ".join(notes) or None
-    )
+    log = CommandLog(t, y, level, weight, role, instants, command, np.searchsorted(instants, t), rate, label, sigma is not None)
+    log, said = _across_gaps(model, log, when, what)
+    return replace(log, cut="; ".join(notes + said) or None)
+
+
+def _across_gaps(model: Model, log: CommandLog, when: Array, what: Array) -> tuple[CommandLog, list[str]]:
+    """A log in whose gaps the command goes on from sample to sample, without the angles for which that matters; and what was done."""
+    from scipy.interpolate import PchipInterpolator
+
+    steps = np.diff(log.instants)
+    usual = float(np.median(steps))
+    gaps = np.flatnonzero(steps > _GAP * usual)
+    if not len(gaps) or len(np.unique(when)) < 2:
+        return log, []
+    parts = [log.instants[k] + usual * np.arange(1, int(steps[k] / usual - 0.5) + 1) for k in gaps]
+    instants = np.union1d(log.instants, np.concatenate(parts))
+    held = log.command[np.searchsorted(log.instants, instants[:-1], side="right") - 1]
+    evenly = np.where(np.isin(instants[:-1], log.instants), held, PchipInterpolator(when, what, extrapolate=False)(instants[:-1]))
+    evenly = np.where(np.isfinite(evenly), evenly, held)
+    at = np.searchsorted(instants, log.t)
+    angles = _motions(model, log.role, log.y[0], instants, np.stack([held, evenly]), log.rate)[:, at]
+    known = ~(abs(angles[1] - angles[0]) > _FORGOTTEN * log.sigma)
+    if int(known.sum()) < _FEWEST:
+        long = f"{counted(len(gaps), 'gap')} of up to {float(steps.max()):.3g} s"
+        mend = "give the parts between them as records of their own: rec.segments()"
+        raise InputError("identify", [f"{log.label} has {long}, in which nobody knows what was commanded; {mend}"])
+    kept = replace(log, t=log.t[known], y=log.y[known], weight=log.weight[known], instants=instants, command=evenly, at=at[known])
+    lost = f" and {counted(int((~known).sum()), 'angle')} after that, which would depend on it, left out" if not known.all() else ""
+    said = f"{counted(len(gaps), 'gap')} of up to {float(steps.max()):.3g} s: the command is interpolated there{lost}"
+    return kept, [said]
+
+
+def _motions(machines: Model, role: str, angle: Any, instants: Array, command: Array, rate: float, rtol: float = 1e-8) -> Any:
+    """Angles at some instants under a command for each case, from an angle and a velocity on: array (cases, instants)."""
+    moved, name, start = machine_of(machines).commands[role]
+    first = np.broadcast_to(angle, command.shape[:-1])
+    moved = moved.replace({start: first if first.ndim else float(first)})
+    moving = {"v": {machine_of(moved).mechanics.bodies[0]: rate}} if rate else None
+    return followed(moved, instants, {name: command}, rtol=rtol, start=moving)[0]
 
 
 def _noise(y: Array) -> float:
@@ -247,14 +285,10 @@ class CommandedProblem(OverParameters):
         if not good.any():
             return whole
         zero, begin = own[good].T
-        machines, name, start = machine_of(batch).commands[target.role]
-        machines = machines.replace({start: target.y[0] + begin - zero})
-        command = target.command - (zero[:, None] if target.role == "command" else 0.0)
+        command = target.command - (zero[:, None] if target.role == "command" else 0.0 * zero[:, None])
         self.solves += int(good.sum())
-        body = machine_of(machines).mechanics.bodies[0]
         try:
-            moving = {"v": {body: target.rate}} if target.rate else None
-            angles, _ = followed(machines, target.instants, {name: command}, rtol=self.rtol, start=moving)
+            angles = _motions(batch, target.role, target.y[0] + begin - zero, target.instants, command, target.rate, self.rtol)
         except (InputError, SolveError):
             return whole
         whole[good] = angles[:, target.at] + zero[:, None]

@@ -49,6 +49,8 @@ from stickslip.records import Record
 
 USES = ("auto", "velocity", "position", "mean", "force")
 _SAMPLES = 2500  # samples of force against motion that the multistart looks at
+_SLOW = 40  # drive periods to a tenth: motions that settle more slowly are remarked on
+_GOLDEN = 0.618033988749895  # of a turn: numbers at multiples of it are all different
 
 
 @explains_arguments
@@ -183,7 +185,7 @@ def identify(
     problem, best = finished(problem, best)
     spared = [] if best.stopped else spared_numbers(problem, best)
     problem, best = held_back(weigh, problem, best if best.stopped else canonical(problem, best, spared))
-    notes += outlier_notes(problem) + spared_note(spared)
+    notes += outlier_notes(problem) + spared_note(spared) + ([] if best.stopped else _slow_notes(problem, best.point))
     solved = problem.solves + rough.solves
     return _fit(problem, best, _Effort(starts, agree, seed, solved), notes, tuple(records), weigh)
 
@@ -353,6 +355,17 @@ def _notes(records: list[Any], problem: Any) -> list[str]:
     return notes + [f"{label}: the sign of the force was reversed, so that friction dissipates energy" for label in turned]
 
 
+def _slow_notes(problem: MeasuredProblem, point: Any) -> list[str]:
+    """Sentences on steady motions that settle so slowly that a record may have begun before."""
+    slow = {label: periods for label, periods in problem.model.settling(point[: problem.first]).items() if periods > _SLOW}
+    return [
+        f"{label}: this motion settles slowly, a tenth of a start is left after "
+        + (f"{round(periods)} drive periods" if np.isfinite(periods) else "more than can be told")
+        + "; the intervals suppose that the record began later than that"
+        for label, periods in slow.items()
+    ]
+
+
 class _Effort(NamedTuple):
     """How a best fit was looked for: from how many starts, how many of them agree, of which seed, with how many runs."""
 
@@ -384,8 +397,7 @@ def _fit(problem: MeasuredProblem, best: SearchEnd, effort: _Effort, notes: list
     misfit = misfit_of(problem, best, changes)
     from stickslip import __version__
 
-    model = problem.parameters.model(values, 0)
-    law = type(getattr(model, "friction", model)).__name__
+    law = _law_of(problem.parameters, values)
     provenance = {
         "stickslip": __version__,
         "seed": effort.seed,
@@ -414,6 +426,13 @@ def _fit(problem: MeasuredProblem, best: SearchEnd, effort: _Effort, notes: list
         changes=changes,
         misfit=misfit,
     )
+
+
+def _law_of(of: Parameters, values: dict[str, float]) -> str:
+    """What is fitted: the law; of the models of a servo the one that has all free numbers, whatever becomes zero."""
+    somewhere = {f.name: float(f.outer(0.3 + 0.4 * ((k * _GOLDEN) % 1.0))) for k, f in enumerate(of.free)}
+    model = (of.models(of.point(somewhere)) or [of.model(values, 0)])[0]
+    return getattr(model, "friction_name", "") or type(getattr(model, "friction", model)).__name__
 
 
 def _plain(arguments: dict[str, Any]) -> dict[str, Any]:

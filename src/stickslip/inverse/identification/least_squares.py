@@ -14,6 +14,7 @@ import numpy as np
 from stickslip.basics.contracts import Array, Model, Numeric
 from stickslip.basics.distributions import Distribution
 from stickslip.inverse.identification.censored import tail, tail_slope
+from stickslip.inverse.identification.covariance import information_of
 from stickslip.inverse.identification.delays import best_delay
 from stickslip.inverse.identification.sensor_readings import change_shown, of_records, shown_by_sensor
 from stickslip.inverse.identification.sensors import SensorNumber
@@ -269,15 +270,24 @@ class MeasuredProblem:
         return np.concatenate([function(t, part, r) for t, part, r in zip(self.targets, self.parts(whole), readings, strict=True)])
 
     def input_changes(self, point: Array, times: int = REDRAWS) -> Any:
-        """By how much other noise of the input (position, load) changes what is met, in standard deviations: array (values, times).
+        r"""By how much other noise of the input (position, load) changes what is met, in standard deviations: array (values, times).
 
-        None where the input has no noise.
+        None where the input has no noise. Noise of the input is in the derivatives J too, so that the numbers of a fit over another input
+        move by the pseudo-inverse of its own derivatives: :math:`-P_k\delta_k`, not :math:`-P\delta_k`. The difference, which makes slopes
+        too small on average (attenuation), is added as the change :math:`J(P_k - P)\delta_k`.
         """
         here = self.predicted(point)
         if not self.model.has_noise or here is None:
             return None
-        each = (self._like(self.model.redrawn(k)).predicted(point) for k in range(times))
-        return np.stack([np.zeros(len(here)) if h is None else (h - here) / self.sigma for h in each], axis=1)
+        jacobian, count = self.jacobian(point), len(here)
+        usual, changes = information_of(self, jacobian).inverse[:, :count], np.zeros((count, times))
+        for k in range(times):
+            again = self._like(self.model.redrawn(k))
+            if (h := again.predicted(point)) is not None:
+                change = (h - here) / self.sigma
+                moved = information_of(again, again.jacobian(point)).inverse[:, :count] @ change - usual @ change
+                changes[:, k] = change + jacobian[:count] @ moved
+        return changes
 
     # ---- residuals ----
     def rest(self, ends: Any, point: Array) -> Any:

@@ -355,6 +355,14 @@ class OverParameters:
         """Nothing is aligned: there is no phase besides the parameters."""
         return np.asarray(point, float)
 
+    def settling(self, point: Array) -> dict[str, float]:
+        """How slowly steady motions of records settle; nothing of what is not steady."""
+        return {}
+
+    def other_phases(self, point: Array) -> list[Any]:
+        """The same point where phases are whole drive periods later; none without phases."""
+        return []
+
     def bounds(self) -> tuple[Any, Any]:
         """Bounds of a point."""
         n = len(self.parameters.free)

@@ -17,6 +17,8 @@ from stickslip.solvers import solve
 _FIRST, _MOST = 6, 400  # drive periods of the first run, and of all runs together
 _LEFT = 1e-5  # of the tolerance: what may still be left where strobe points fall to their limit; derivatives are differences of curves
 _FALLS = 0.5  # times the last step from period to period that the next one is, where they do
+_ALONG = 0.3  # of a step from period to period: more of it beside the last one, and the limit is not on the line of both
+_WATCHED, _DISTURBED = 24, 1e-4  # drive periods after a disturbance, and its size beside the velocity
 _LOOKED = 8  # states at which equations are looked at
 _LONGEST = 4  # motion periods up to here are followed
 
@@ -118,29 +120,79 @@ def steady_curve(robot: Any, start: dict[str, Any] | None = None, rtol: float = 
             start = None
             continue
         spent += periods
-        v = run.strobe_v
-        period = next((p for p in range(1, _LONGEST + 1) if len(v) > 2 * p and abs(v[-p:] - v[-2 * p : -p]).max() <= tolerance), None)
-        if spent >= _MOST or (period is not None and not _still_nearing(v, period, _LEFT * tolerance)):
-            return SteadyCurve(run, period or 1, period is not None, body=body)
-        start, periods = _nearer(run, v), periods if period else min(2 * periods, 100)
+        points = _strobe_points(run, scale)
+        period = next((p for p in range(1, _LONGEST + 1) if len(points) > 2 * p and _apart(points, p) <= tolerance), None)
+        if spent >= _MOST or (period is not None and not _still_nearing(points, period, _LEFT * tolerance)):
+            return SteadyCurve(run, period or _usual(points, tolerance), period is not None, body=body)
+        start, periods = _nearer(run, points, tolerance), periods if period else min(2 * periods, 100)
 
 
-def _still_nearing(v: Array, p: int, tolerance: float) -> bool:
+def _strobe_points(run: Any, speed: float) -> Any:
+    """The states at strobe times, each coordinate against its size, times a speed [m/s]: array (points, coordinates).
+
+    A body that rests there has no velocity, whatever the others do: all coordinates of a machine are looked at.
+    """
+    if not machine_of(run.model).names_parts:
+        return run.strobe_v[:, None]
+    return strobe_states(run) / coordinates(run.model).scales * speed
+
+
+def _apart(points: Array, p: int) -> float:
+    """How far the last p strobe points are from those p periods before."""
+    return float(abs(points[-p:] - points[-2 * p : -p]).max())
+
+
+def _usual(points: Array, tolerance: float) -> int:
+    """After how many periods points that have not settled nearly repeat: the fewest by which they are twice as near as by fewer."""
+    apart = [_apart(points, p) for p in range(1, _LONGEST + 1) if len(points) > 2 * p]
+    best = 0
+    for p in range(1, len(apart)):
+        best = p if apart[p] < _FALLS * apart[best] - tolerance else best
+    return best + 1
+
+
+def _still_nearing(points: Array, p: int, tolerance: float) -> bool:
     """Whether strobe points that repeat after p periods still get nearer to their limit, by a part of what is left each time."""
-    last, before = abs(v[-p:] - v[-2 * p : -p]).max(), abs(v[-p - 1 : -1] - v[-2 * p - 1 : -p - 1]).max()
-    return bool(tolerance < last < _FALLS * before)
+    return bool(tolerance < _apart(points, p) < _FALLS * _apart(points[:-1], p))
 
 
-def _nearer(run: Any, v: Array) -> dict[str, Any]:
+def _nearer(run: Any, points: Array, tolerance: float) -> dict[str, Any]:
     """A start nearer to the limit of the strobe points."""
-    end = SteadyCurve(run, 1, False).end
-    if machine_of(run.model).names_parts:
+    end, p = SteadyCurve(run, 1, False).end, _usual(points, tolerance)
+    if len(points) < 2 * p + 1:
         return end
-    last, before = v[-1] - v[-2], v[-2] - v[-3]
-    ratio = last / before if before else 0.0
-    if 0.05 < ratio < 0.98:
-        end["v"] += float(last * ratio / (1 - ratio))
-    return end
+    last, before = points[-1] - points[-1 - p], points[-1 - p] - points[-1 - 2 * p]
+    ratio = float(last @ before) / float(before @ before) if before.any() else 0.0
+    if not 0.05 < ratio < 0.98 or float(abs(last - ratio * before).max()) > _ALONG * float(abs(last).max()):
+        return end
+    ahead = ratio / (1 - ratio)
+    if not machine_of(run.model).names_parts:
+        end["v"] += float(last[0] * ahead)
+        return end
+    at = coordinates(run.model)
+    states = strobe_states(run)
+    return at.start(states[-1] + np.where(np.arange(len(at.names)) < at.smooth, (states[-1] - states[-1 - p]) * ahead, 0.0))
+
+
+def periods_to_settle(curve: SteadyCurve, rtol: float = 1e-8) -> float:
+    """Drive periods in which a tenth is left of a small disturbance of a steady motion; 0 where it is gone at once."""
+    model, p = curve.run.model, curve.period
+    speed = float(machine_of(model).free_velocity or model.velocity_scale or 1.0)
+    many = max(_WATCHED // p, 2) * p
+    begun = solve(model, periods=many, samples=4, rtol=rtol, keep="trajectory", start=curve.end)
+    moved = solve(model, periods=many, samples=4, rtol=rtol, keep="trajectory", start=_disturbed(curve.end, _DISTURBED * speed))
+    off = np.sqrt(np.sum((_strobe_points(moved, speed) - _strobe_points(begun, speed)) ** 2, axis=1))
+    early, late = off[many // 2 // p * p], off[many]
+    steps = many - many // 2 // p * p
+    if not late > _DISTURBED * speed * 1e-3 or not late < early:
+        return np.inf if late > max(early, _DISTURBED * speed * 1e-3) else 0.0
+    return float(steps * np.log(10.0) / np.log(early / late))
+
+
+def _disturbed(start: dict[str, Any], size: float) -> dict[str, Any]:
+    """A start whose velocities are a little larger."""
+    v = start["v"]
+    return start | {"v": {name: each + size for name, each in v.items()} if isinstance(v, dict) else v + size}
 
 
 def transient_curve(robot: Model, start: dict[str, float], periods: int, rtol: float = 1e-8, body: int | None = None) -> TransientCurve:

@@ -13,7 +13,7 @@ from stickslip.basics.contracts import Array, ArrayLike, Numeric
 from stickslip.basics.errors import InputError, SolveError
 from stickslip.inverse.identification.drive_harmonics import ripple_of, rippled
 from stickslip.inverse.identification.parameters import OverParameters, Parameters
-from stickslip.inverse.identification.steady_curves import SteadyCurve, steady_curve, transient_curve
+from stickslip.inverse.identification.steady_curves import SteadyCurve, periods_to_settle, steady_curve, transient_curve
 from stickslip.inverse.identification.targets import Target, of_body
 from stickslip.solvers import solve
 
@@ -245,6 +245,20 @@ class SteadyProblem(OverParameters):
         phase = best_phase(tail, steady) % 1.0
         costs = {p: float(np.sum((modelled_values(target, motion, target.phase + p) - target.y) ** 2)) for p in (phase, phase - 1.0)}
         return min(costs, key=lambda p: costs[p]) if phase > 0.9 else phase
+
+    def settling(self, point: Array) -> dict[str, float]:
+        """Drive periods after which a tenth of a start is left, of the motion of each record that is taken as steady: label -> number."""
+        motions = self._motions(point) or []
+        return {self.targets[i].label: periods_to_settle(motions[i], self.rtol) for i in self.curves if isinstance(motions[i], SteadyCurve)}
+
+    def other_phases(self, point: Array) -> list[Any]:
+        """The same point where the phase of one record is whole drive periods later, of motions that repeat after several of these."""
+        motions, shifted = self._motions(point), []
+        for i in self.curves if motions is not None else ():
+            place = len(self.parameters.free) + self._timing.index((i, "phase"))
+            for k in range(1, getattr(motions[i], "period", 1)):
+                shifted.append(np.where(np.arange(len(point)) == place, point[place] + k, point))
+        return shifted
 
     def bounds(self) -> tuple[Any, Any]:
         """Bounds of a whole point."""

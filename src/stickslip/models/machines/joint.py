@@ -27,6 +27,7 @@ STIFFNESS = 1e4  # of a gear that does not say its own: a small strain-wave gear
 _APPLIED = holding({"force on the inner mass": "torque", "the force": "the torque"}, {"N": "N m"})
 _VOLTAGE = holding({"force on the inner mass": "voltage", "the force": "the voltage"}, {"N": "V"})
 _CURRENT = holding({"force on the inner mass": "current", "the force": "the current"}, {"N": "A"})
+_COMMANDS = {"N m": "{}", "N m/rad": "{}/rad", "N m/(rad s)": "{}/(rad s)", "N m s/rad": "{} s/rad"}
 _TORQUE = "a torque [N m], a force function of time with at(t) and period, or a record (times, torques) of one period"
 
 
@@ -200,7 +201,7 @@ class Joint(TakesInput, Machine):
         if self.motor is not None and not isinstance(self.motor, Motor):
             problems.add(f"motor = {self.motor!r}; allowed is a Motor; type motor=ss.machines.Motor(k_t=1.5, resistance=5.0, supply=12.0)")
             return
-        own = None if self.motor is None else {"V": "voltage", "A": "current"}[self.motor.unit]
+        own = None if self.motor is None else self.motor.command
         for name in [name for name in ("torque", "voltage", "current") if getattr(self, name) is not None]:
             if name == "torque" and own is not None:
                 problems.add(f"torque is given, and a motor that is commanded by a {own}; type {own}=..., or leave the motor out")
@@ -220,6 +221,23 @@ class Joint(TakesInput, Machine):
                     f"delay = {describe(self.delay)} s is not a whole number of samples of {describe(sample)} s, one for all cases; "
                     f"type delay={describe(most_times(self.delay, sample) * sample)}, or another sample="
                 )
+
+    # ---- words ----
+    @property
+    def measured_inside(self) -> Mapping[str, Any]:
+        """Units of the controller and of the limit, where a motor is commanded by a voltage or a current."""
+        if not isinstance(self.motor, Motor):
+            return {}
+        units = {unit: there.format(self.motor.unit) for unit, there in _COMMANDS.items()}
+        return dict.fromkeys(("control", "limit"), holding({"torque": self.motor.command}, units))
+
+    @property
+    def friction_name(self) -> str:
+        """What its friction is called: the law, or the model of a servo where the load is the friction."""
+        law = adapted(self.friction).name
+        if not isinstance(self.load, ServoLoad):
+            return law
+        return f"servo model {self.load.model.upper()}" if law == "Coulomb" else f"{law}, loaded by servo model {self.load.model.upper()}"
 
     # ---- time ----
     @property
@@ -359,7 +377,7 @@ class Joint(TakesInput, Machine):
         """The joint under a recorded command: the target of its controller, or the motor's voltage or current."""
         if self.control is not None:
             return {"command": (self.replace({"control": self.control.replace(target=0.0)}), "control.target", "angle")}
-        own = None if self.motor is None else {"V": "voltage", "A": "current"}[self.motor.unit]
+        own = None if self.motor is None else self.motor.command
         return {} if own is None else {own: (self.replace({own: 0.0}), own, "angle")}
 
     def controllers(self) -> Mapping[str, Any]:

@@ -61,6 +61,11 @@ class Motor(Frozen):
             )
 
     @property
+    def command(self) -> str:
+        """What commands it: "voltage" or "current"."""
+        return "current" if self.resistance is None else "voltage"
+
+    @property
     def unit(self) -> str:
         """The unit of its command."""
         return "A" if self.resistance is None else "V"

@@ -33,6 +33,8 @@ class PID(TakesInput):
     .. math:: \tau_k = k_p e_k + \tau_{I,k} + k_d\frac{e_k - e_{k-1}}{\Delta t} + f\operatorname{sgn}\dot q_\mathrm{target}(t_k),
               \qquad \tau_{I,k} = \tau_{I,k-1} + k_i\,\Delta t\,e_k
 
+    Before a motor (`stickslip.machines.Motor`) it commands a voltage or a current: gains are then in V or A in place of N m.
+
     The first sample is at t = 0, where the difference is zero and the integral its first term. At a jump of the target the value
     after it counts.
 
