@@ -17,13 +17,21 @@ from stickslip.inverse.identification.uncertainty import faults
 __all__ = ["run", "truth_and_intervals"]
 
 
+_NORMAL = 1.96  # standard errors at the ends of a 95 % interval
+
+
 def truth_and_intervals(fit: ss.identification.Fit, truth: dict[str, float]) -> dict[str, Any]:
-    """For each number: whether its interval holds the truth, and its error in standard errors; error and standard error over it."""
+    """For each number: whether its interval holds the truth, and its error in standard errors; error and standard error over it.
+
+    Where an interval is by profile its length on the side of the truth stands for 1.96 standard errors.
+    """
     found = {}
     for name, value in truth.items():
         low, high = fit.interval(name)
         error = fit.errors[name]
         known = name not in fit.undetermined
+        if known and name in fit.bent:  # what is stated is the interval, which has two lengths
+            error = abs((high if value > fit.values[name] else low) - fit.values[name]) / _NORMAL
         off = (fit.values[name] - value) / error if known and error > 0 else 0.0
         found[name] = [bool(low <= value <= high), off, abs(fit.values[name] - value) / abs(value), error / abs(value) if known else None]
     return {"numbers": found, "faults": faults(fit)}

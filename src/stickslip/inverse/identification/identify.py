@@ -36,6 +36,7 @@ from stickslip.inverse.identification.nesting import nested_seeds
 from stickslip.inverse.identification.parameters import Parameters, parameters
 from stickslip.inverse.identification.plausibility import contradictions
 from stickslip.inverse.identification.refinement import canonical, finished, held_back, spared_note, spared_numbers, undetermined
+from stickslip.inverse.identification.rounding import beside_white, rounding_columns
 from stickslip.inverse.identification.search import SearchEnd, searched, starting_points
 from stickslip.inverse.identification.sensors import sensors_of, with_starts
 from stickslip.inverse.identification.steady_curves import moves_alike_anywhere
@@ -49,6 +50,7 @@ from stickslip.records import Record
 
 USES = ("auto", "velocity", "position", "mean", "force")
 _SAMPLES = 2500  # samples of force against motion that the multistart looks at
+_MOSTLY = 0.7  # of the squares of the noise
 _SLOW = 40  # drive periods to a tenth: motions that settle more slowly are remarked on
 _GOLDEN = 0.618033988749895  # of a turn: numbers at multiples of it are all different
 
@@ -185,7 +187,11 @@ def identify(
     problem, best = finished(problem, best)
     spared = [] if best.stopped else spared_numbers(problem, best)
     problem, best = held_back(weigh, problem, best if best.stopped else canonical(problem, best, spared))
-    notes += outlier_notes(problem) + spared_note(spared) + ([] if best.stopped else _slow_notes(problem, best.point))
+    notes += (
+        outlier_notes(problem)
+        + spared_note(spared)
+        + ([] if best.stopped else _slow_notes(problem, best.point) + _rounded_notes(problem, best))
+    )
     solved = problem.solves + rough.solves
     return _fit(problem, best, _Effort(starts, agree, seed, solved), notes, tuple(records), weigh)
 
@@ -364,6 +370,15 @@ def _slow_notes(problem: MeasuredProblem, point: Any) -> list[str]:
         + "; the intervals suppose that the record began later than that"
         for label, periods in slow.items()
     ]
+
+
+def _rounded_notes(problem: MeasuredProblem, best: SearchEnd) -> list[str]:
+    """Sentences on records of which rounding to counts is most of the noise."""
+    scale = noise_scale(problem, best)
+    each = zip(problem.targets, rounding_columns(problem, best.residuals, scale), strict=True)
+    most = [target.label for target, columns in each if columns.shape[1] and beside_white(columns, scale**2)[0] > _MOSTLY * scale**2]
+    why = "which stays while it rests; of a single number 95 % intervals hold in 90 to 100 % of such logs"
+    return [f"{listed(most)}: rounding to counts is most of the noise, {why}"] if most else []
 
 
 class _Effort(NamedTuple):

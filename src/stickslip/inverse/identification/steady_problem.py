@@ -255,9 +255,9 @@ class SteadyProblem(OverParameters):
         """The same point where the phase of one record is whole drive periods later, of motions that repeat after several of these."""
         motions, shifted = self._motions(point), []
         for i in self.curves if motions is not None else ():
-            place = len(self.parameters.free) + self._timing.index((i, "phase"))
+            own = len(self.parameters.free) + self._timing.index((i, "phase"))
             for k in range(1, getattr(motions[i], "period", 1)):
-                shifted.append(np.where(np.arange(len(point)) == place, point[place] + k, point))
+                shifted.append(np.where(np.arange(len(point)) == own, point[own] + k, point))
         return shifted
 
     def bounds(self) -> tuple[Any, Any]:
