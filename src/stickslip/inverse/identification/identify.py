@@ -445,8 +445,8 @@ def _fit(problem: MeasuredProblem, best: SearchEnd, effort: _Effort, notes: list
 
 def _law_of(of: Parameters, values: dict[str, float]) -> str:
     """What is fitted: the law; of the models of a servo the one that has all free numbers, whatever becomes zero."""
-    somewhere = {f.name: float(f.outer(0.3 + 0.4 * ((k * _GOLDEN) % 1.0))) for k, f in enumerate(of.free)}
-    model = (of.models(of.point(somewhere)) or [of.model(values, 0)])[0]
+    somewhere = 0.3 + 0.4 * ((np.arange(len(of.free)) * _GOLDEN) % 1.0)
+    model = (of.models(somewhere) or [of.model(values, 0)])[0]
     return getattr(model, "friction_name", "") or type(getattr(model, "friction", model)).__name__
 
 

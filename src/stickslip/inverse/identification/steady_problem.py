@@ -253,8 +253,8 @@ class SteadyProblem(OverParameters):
 
     def other_phases(self, point: Array) -> list[Any]:
         """The same point where the phase of one record is whole drive periods later, of motions that repeat after several of these."""
-        motions, shifted = self._motions(point), []
-        for i in self.curves if motions is not None else ():
+        motions, shifted = self._motions(point) or [], []
+        for i in self.curves if motions else ():
             own = len(self.parameters.free) + self._timing.index((i, "phase"))
             for k in range(1, getattr(motions[i], "period", 1)):
                 shifted.append(np.where(np.arange(len(point)) == own, point[own] + k, point))
