@@ -19,13 +19,12 @@ from stickslip.basics.fields import floats
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.maths import bisected
 from stickslip.models.flow_contacts import resting_contacts
-from stickslip.models.machine_adapter import machine_of
+from stickslip.models.friction.law_adapter import SWITCHES
 from stickslip.models.model_adapter import adapter_of
 
 _SLIGHT = 1e-9  # of a range: what passes a value by less is rounding
 _EVEN = 1e-6  # directions in which a state passes equally fast, but for so much
 _HALVINGS = 60
-SWITCHES = ("stick", "slip")
 _TYPE = "type section='v' for the middle of its range, section=('v', 0.0), or section=('v', 0.0, 1) for where it rises"
 
 
@@ -97,28 +96,12 @@ def asked_of(what: str, section: Any, names: tuple[str, ...], switches: tuple[st
 
 def asked_for(what: str, section: Any, model: Any) -> Asked:
     """A section of a model as users type it; refused is a position that goes on with the far end of the spring that pulls it."""
-    asked = asked_of(what, section, state_names(model), switch_names(model))
+    asked = asked_of(what, section, tuple(order_of(model).sections), adapter_of(model).switch_names)
     far = adapter_of(model).turning_velocity
     if asked.switch or asked.name in (None, "v") or far is None or not np.any(far):
         return asked
     mistake = f"section = {asked.name!r}, which goes on with the spring's far end"
     raise InputError(what, [f"{mistake}; allowed is the velocity; type section=('v', 0.0)"])
-
-
-def contact_names(model: Any) -> tuple[str, ...]:
-    """Names of the contacts of a machine, as its events have them."""
-    return tuple(machine_of(model).mechanics.contacts)
-
-
-def switch_names(model: Any) -> tuple[str, ...]:
-    """The switches by which a section may be cut: those of contacts that rest exactly, and of a flow from one mode to another."""
-    adapter = adapter_of(model)
-    if adapter.has_bodies:
-        own = zip(contact_names(model), adapter.laws, strict=True)
-        return tuple(f"{kind} of {name}" for name, law in own if not law.dynamic for kind in SWITCHES)
-    rests = resting_contacts(model.contacts, *model.given_once)
-    changes = [f"{a} to {b}" for a in model.modes for b in model.modes if a != b or model.switches.get(model.labels[a][0])]
-    return (*(f"{kind} of {name}" for name in rests for kind in SWITCHES), *changes)
 
 
 def modes_passed(flow: Any, name: str) -> tuple[list[bool], list[bool]]:
@@ -148,25 +131,10 @@ def switches_in(run: Any, name: str) -> Array:
     return np.array([event.t for event in run.events if event.kind == kind and event.part == contact])
 
 
-def state_names(model: Any) -> tuple[str, ...]:
-    """Names of the states of a model by which a section may be cut: of a machine velocities and positions, of a flow what comes back."""
-    left = _left_out(model)
-    known = order_of(model).names if adapter_of(model).has_bodies else model.states
-    return tuple(name for name in known if name not in left)
-
-
-def _left_out(model: Any) -> tuple[str, ...]:
-    """States by which no section is cut: inner states of a machine, and what drifts in a flow."""
-    if not adapter_of(model).has_bodies:
-        return tuple(model.cyclic)
-    order = order_of(model)
-    return order.names[order.inner]
-
-
 def states_in(run: Any, t: Array) -> dict[str, Array]:
-    """These states of a run at some instants, by name."""
-    left = _left_out(run.model)
-    return {name: column for name, column in states_of_run(run, t).items() if name not in left}
+    """The states of a run by which a section may be cut, at some instants, by name."""
+    known = order_of(run.model).sections
+    return {name: column for name, column in states_of_run(run, t).items() if name in known}
 
 
 def cut_of(run: Any, asked: Asked | None = None) -> Cut:
@@ -187,30 +155,23 @@ def cut_of(run: Any, asked: Asked | None = None) -> Cut:
     t = np.unique(run.t)
     late = t[t >= 0.5 * (t[0] + t[-1])]
     columns = states_in(run, late)
-    name = _widest(run, late, columns) if asked.name is None else asked.name
+    name = _widest(run, columns) if asked.name is None else asked.name
     middle = float(0.5 * (columns[name].min() + columns[name].max())) if asked.value is None else asked.value
     return Cut(name, middle, _faster(late, columns[name], middle) if asked.direction is None else asked.direction)
 
 
-def _widest(run: Any, late: Array, columns: dict[str, Array]) -> str:
+def _widest(run: Any, columns: dict[str, Array]) -> str:
     """The state that moves most in its scale: a position where there is one, and none that jumps over the middle of its range."""
-    if not adapter_of(run.model).has_bodies:
-        names = run.names[: len(run.names) - len(run.model.inner)]  # of the field: what laws add to them is not looked at
-        scales = dict(zip(names, np.ones(len(names)) if run.model.scales is None else run.model.scales, strict=True))
-        columns = {name: columns[name] for name in names if name in columns}
-        smooth = {name: column for name, column in columns.items() if not _jumps(run, name, column)} or columns
-        return max(smooth, key=lambda each: float(np.ptp(columns[each])) / float(scales[each]))
     order = order_of(run.model)
-    places = {name: columns[name] for name in order.names[order.places]}
-    moving = places or columns
-    return max(moving, key=lambda each: float(np.ptp(moving[each])))
+    names = order.names[order.places] or tuple(order.sections)
+    smooth = [name for name in names if not _jumps(run, name, columns[name])] or names
+    return max(smooth, key=lambda name: float(np.ptp(columns[name])) / order.sections[name])
 
 
 def _jumps(run: Any, name: str, column: Array) -> bool:
-    """Whether a state of a flow jumps over the middle of its range at a switch."""
-    middle, i = 0.5 * (column.min() + column.max()), run.names.index(name)
-    at = np.flatnonzero(np.isin(run.nodes[1:-1], [event.t for event in run.events]))
-    before, after = run.coefficients[at, i].sum(axis=-1), run.coefficients[at + 1, i, 0]
+    """Whether a state jumps over the middle of its range at a switch."""
+    middle = 0.5 * (column.min() + column.max())
+    before, after = run._beside_switches(name)
     return bool(np.any((before - middle) * (after - middle) < 0.0))
 
 

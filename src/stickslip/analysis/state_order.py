@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +14,7 @@ from stickslip.engine.lanes import layout_of, needed_positions
 from stickslip.engine.refused import refusal_of
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import MachineAdapter, machine_of
+from stickslip.models.model_adapter import adapter_of
 from stickslip.models.position_dependence import knows_position
 from stickslip.models.state_layout import StateLayout
 
@@ -40,6 +41,8 @@ class Order:
         The numbers of the inner states in `inner` among all of them.
     all_inner : int
         How many there are.
+    own_sections : dict or None
+        `sections` of a model that names its states itself.
     """
 
     names: tuple[str, ...]
@@ -50,6 +53,13 @@ class Order:
     cyclic: bool
     own: tuple[int, ...] = ()
     all_inner: int = 0
+    own_sections: Mapping[str, float] | None = None
+
+    @property
+    def sections(self) -> Mapping[str, float]:
+        """The states by which a section may be cut, with a size of each, against which its motion is measured: all but inner states."""
+        inner = self.names[self.inner]
+        return {name: 1.0 for name in self.names if name not in inner} if self.own_sections is None else self.own_sections
 
     @property
     def states(self) -> int:
@@ -85,6 +95,9 @@ def order_of(model: Model, machine: MachineAdapter | None = None) -> Order:
     >>> order_of(ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0))).names
     ('x', 'v')
     """
+    own = adapter_of(model) if machine is None else machine
+    if (names := own.own_states) is not None:
+        return Order(names, slice(0, len(names)), slice(len(names), len(names)), slice(0, 0), (), False, own_sections=own.sections)
     machine = machine_of(model) if machine is None else machine
     if not machine.names_parts:
         count, placed = law_of(model).states, int(knows_position(model))

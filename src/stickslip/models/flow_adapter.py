@@ -6,7 +6,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from stickslip.models.friction.law_adapter import LawAdapter, adapted
+from stickslip.basics.errors import InputError
+from stickslip.models.flow_contacts import resting_contacts
+from stickslip.models.friction.law_adapter import SWITCHES, LawAdapter, adapted
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,12 +30,47 @@ class FlowAdapter:
     turning_velocity: None = None
     unit_of_time: str = "unit of time"
     has_units: bool = False
+    time_scale: None = None
+    not_followed: str = ""
     angles: tuple[str, ...] = ()
 
     @property
     def has_displacement(self) -> bool:
         """Whether one of its states is called cyclic: its mean rate is the mean velocity."""
         return bool(self.model.cyclic)
+
+    @property
+    def own_states(self) -> tuple[str, ...]:
+        """Names of its states: those of its field, and those of its contacts' laws behind them."""
+        if self.model.states is None:
+            why = "its states have no names, so their number is not known; type states=('x', 'v') where it is made"
+            raise InputError("SwitchingFlow", [why])
+        return tuple(self.model.names(len(self.model.states) + len(self.model.inner)))
+
+    @property
+    def sections(self) -> dict[str, float]:
+        """The states by which a section may be cut, with a size of each: those of its field that come back."""
+        field = self.model.states or ()
+        scales = (1.0,) * len(field) if self.model.scales is None else self.model.scales
+        return {name: float(scale) for name, scale in zip(field, scales, strict=True) if name not in self.model.cyclic}
+
+    @property
+    def switch_names(self) -> tuple[str, ...]:
+        """Its switches: those of contacts that rest exactly, and those from one mode to another."""
+        flow = self.model
+        rests = resting_contacts(flow.contacts, *flow.given_once)
+        changes = (f"{a} to {b}" for a in flow.modes for b in flow.modes if a != b or flow.switches.get(flow.labels[a][0]))
+        return (*(f"{kind} of {name}" for name in rests for kind in SWITCHES), *changes)
+
+    @property
+    def event_names(self) -> tuple[str, ...]:
+        """Names of what its own events happen to: its contacts."""
+        return tuple(self.model.contacts)
+
+    def mirror_image(self) -> Any:
+        """Raise `InputError`: it has none that could be made of its parts."""
+        why = "a flow has no direction in space: which of its states change their sign is not known"
+        raise InputError("mirrored", [f"{why}; write the flow of the states with their signs changed"])
 
     @cached_property
     def laws(self) -> tuple[LawAdapter, ...]:

@@ -13,7 +13,7 @@ from stickslip.basics.contracts import Drive, Model, OneContact, Track
 from stickslip.basics.errors import InputError
 from stickslip.models.drives.drive_adapter import drive_of, unlikely
 from stickslip.models.drives.within import drives_within
-from stickslip.models.friction.law_adapter import LawAdapter
+from stickslip.models.friction.law_adapter import SWITCHES, LawAdapter
 from stickslip.models.mechanics import Mechanics, OneBody, declares_parts, parts_of
 from stickslip.models.state_layout import of_principal
 
@@ -92,6 +92,25 @@ class MachineAdapter:
         return True
 
     @property
+    def own_states(self) -> None:
+        """Names that it gives its states itself: none, they follow from its bodies and contacts."""
+
+    @property
+    def sections(self) -> None:
+        """Those by which a section may be cut: they follow too."""
+
+    @property
+    def switch_names(self) -> tuple[str, ...]:
+        """The switches of its contacts that rest exactly."""
+        contacts = zip(self.mechanics.contacts, self.laws, strict=True)
+        return tuple(f"{kind} of {name}" for name, law in contacts if not law.dynamic for kind in SWITCHES)
+
+    @property
+    def event_names(self) -> tuple[str, ...]:
+        """Names of what its own events happen to: its contacts and stops."""
+        return (*self.mechanics.contacts, *(stop.name for stop in self.mechanics.stops))
+
+    @property
     def angles(self) -> tuple[str, ...]:
         """Names of its coordinates that are angles while others may be lengths."""
         return self.mechanics.angles
@@ -130,6 +149,17 @@ class MachineAdapter:
     def laws(self) -> tuple[LawAdapter, ...]:
         """The law of each contact."""
         return self.mechanics.laws
+
+    @property
+    def not_followed(self) -> str:
+        """Why small changes are not followed along its runs; "" where they are.
+
+        A contact that creeps turns over within velocities in which changes go on faster than time has digits.
+        """
+        if not all(law.compiles for law in self.laws):
+            return "a law is written for plain numbers only"
+        creep = any(law.creep_velocity((0.0,) * law.states, 1.0) is not None for law in self.laws)
+        return "its friction reverses within creep velocities" if creep else ""
 
     @property
     def law_names(self) -> str:

@@ -63,10 +63,7 @@ def mirrored(robot: Model) -> Any:
 
 def _image(model: Any) -> Any:
     """The mirror image that a machine declares; for a robot, the one composed of the mirror images of its parts."""
-    if not adapter_of(model).has_bodies:
-        why = "a flow has no direction in space: which of its states change their sign is not known"
-        raise InputError("mirrored", [f"{why}; write the flow of the states with their signs changed"])
-    own = machine_of(model).mirror_image
+    own = adapter_of(model).mirror_image
     if own is not None:
         return own()
     if not all(hasattr(model, name) for name in ("drive", "friction", "track")):

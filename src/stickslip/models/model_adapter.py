@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, Protocol
 
 from stickslip.models.flow_adapter import FlowAdapter
@@ -25,6 +26,10 @@ class ModelAdapter(Protocol):
         """The laws of its contacts."""
 
     @property
+    def not_followed(self) -> str:
+        """Why small changes are not followed along its runs; "" where they are."""
+
+    @property
     def has_displacement(self) -> bool:
         """Whether it makes a way, and so has a mean velocity."""
 
@@ -39,6 +44,30 @@ class ModelAdapter(Protocol):
     @property
     def turning_velocity(self) -> Any:
         """Velocity at which one body on a spring turns back, that of the spring's far end [m/s]; None of anything else."""
+
+    @property
+    def own_states(self) -> tuple[str, ...] | None:
+        """Names that it gives its states itself; None where they follow from bodies and contacts."""
+
+    @property
+    def sections(self) -> dict[str, float] | None:
+        """Of those the states by which a section may be cut, with a size of each; None where they follow too."""
+
+    @property
+    def switch_names(self) -> tuple[str, ...]:
+        """Its switches, such as "stick of block", or "free to hunted" from one mode of a flow to another."""
+
+    @property
+    def event_names(self) -> tuple[str, ...]:
+        """Names of what its own events happen to: contacts and stops."""
+
+    @property
+    def mirror_image(self) -> Callable[[], Any] | None:
+        """The function that makes its mirror image, if it has one."""
+
+    @property
+    def time_scale(self) -> Any:
+        """A typical time; None if unknown."""
 
     @property
     def angles(self) -> tuple[str, ...]:

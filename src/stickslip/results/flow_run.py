@@ -125,6 +125,11 @@ class FlowRun(Trajectory):
         """There is no body of which to give a position: `NoBodies`."""
         raise NoBodies("FlowRun", [NO_BODIES])
 
+    def _beside_switches(self, name: str) -> tuple[Array, Array]:
+        i = self.names.index(name)
+        at = np.flatnonzero(np.isin(self.nodes[1:-1], [event.t for event in self.events]))
+        return self.coefficients[at, i].sum(axis=-1), self.coefficients[at + 1, i, 0]
+
     @cached_property
     def y(self) -> Array:
         """The states (time, state)."""

@@ -358,6 +358,10 @@ class Trajectory(Drawn, Judged, RunFiles):
             x, v = _at_distances(machine_of(self.model).mechanics, t, x, v)
         return x, v, z
 
+    def _beside_switches(self, name: str) -> tuple[Any, Any]:
+        """A state right before and right after each switch; none of a position, which does not jump."""
+        return np.zeros(0), np.zeros(0)
+
     @property
     def bodies(self) -> dict[str, Any]:
         """The columns of each body by its name; of a machine whose `places` say where bodies are, their x, z and angle."""

@@ -17,7 +17,6 @@ from stickslip.basics.errors import InputError, SolveError
 from stickslip.basics.interruption import look
 from stickslip.basics.status import ENDS, Status
 from stickslip.models.crossings import Crossing, checked_crossings
-from stickslip.models.machine_adapter import machine_of
 from stickslip.models.model_adapter import adapter_of
 from stickslip.results.named_events import found_events
 from stickslip.results.trajectory import Trajectory
@@ -34,10 +33,7 @@ def events_of_model(what: str, model: Any, events: Any) -> dict[str, Crossing]:
     """The events that were asked for, by name; none may be called as a contact or a stop of the model is."""
     if events is None:
         return {}
-    if not adapter_of(model).has_bodies:
-        return checked_crossings(what, events, model.contacts)
-    mechanics = machine_of(model).mechanics
-    return checked_crossings(what, events, (*mechanics.contacts, *(stop.name for stop in mechanics.stops)))
+    return checked_crossings(what, events, adapter_of(model).event_names)
 
 
 class Watched:

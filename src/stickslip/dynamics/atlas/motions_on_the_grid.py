@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import singledispatch
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,9 +17,8 @@ from stickslip.dynamics.attractors.motion_features import features_of, motion_nu
 from stickslip.dynamics.attractors.settled_motions import Settling, motion_times, settled_motions
 from stickslip.dynamics.flows.flow_stretches import passage
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle
-from stickslip.dynamics.stroboscopic.strobe_maps import spread_over, state_at_rest
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, FlowCoordinates, spread_over, state_at_rest
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.model_adapter import adapter_of
 from stickslip.solvers import solve
 from stickslip.solvers.plain.composed_flows import mode_of_strobe_state
 
@@ -175,11 +175,10 @@ def _named(word: str, kind: str, period: int) -> str:
 
 def _words(plane: Plane, values: Array, states: Array, periods: list[int], times: Array, look: Look) -> list[str]:
     """The type of each motion; of several contacts the pattern of each; of a flow its modes in turn. `times` are those of cycles."""
-    bodies = adapter_of(plane.sample).has_bodies
-    if not bodies or plane.sample.period is None:
+    if plane.sample.period is None or not plane.at.in_lanes:
         models = (plane.family.robot(*point) for point in values)
-        called = _cycle if bodies else _modes
-        return [called(model, state, p, float(T)) if p else "" for model, state, p, T in zip(models, states, periods, times, strict=True)]
+        along = zip(models, states, periods, times, strict=True)
+        return [_word(plane.at, model, state, p, float(T)) if p else "" for model, state, p, T in along]
     model = spread_over(plane.family.robots(*values.T), len(states))
     options = {"rtol": look.rtol} if machine_of(model).has_inner_states else {}
     summary = solve(model, periods=_LOOKED, settle="auto", start=plane.at.start(states), keep="summary", **options)
@@ -188,13 +187,15 @@ def _words(plane: Plane, values: Array, states: Array, periods: list[int], times
     return [_JOINED.join(np.atleast_1d(word).tolist()) for word in words]
 
 
-def _cycle(model: Any, state: Array, turns: int, duration: float) -> str:
+@singledispatch
+def _word(at: Coordinates, model: Any, state: Array, turns: int, duration: float) -> str:
     """The type of a limit cycle; of several contacts the pattern of each."""
     cycle = LimitCycle(model, turns, state, duration, np.nan, _TYPED)
     return cycle.type if len(cycle.patterns) < 2 else _JOINED.join(cycle.patterns.values())
 
 
-def _modes(flow: SwitchingFlow, state: Array, period: int, duration: float) -> str:
+@_word.register(FlowCoordinates)
+def _(at: FlowCoordinates, flow: SwitchingFlow, state: Array, period: int, duration: float) -> str:
     """The modes of a periodic motion in turn, once if it goes through them twice; where there is one mode, the number of switches."""
     modes, length = list(flow.modes), duration if flow.period is None else period * float(flow.period)
     mode = mode_of_strobe_state(flow, state)

@@ -30,7 +30,6 @@ from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over
 from stickslip.models.angular_coordinates import unit_of_part
 from stickslip.models.model_adapter import adapter_of
 from stickslip.models.rounding import without_rounding
-from stickslip.solvers.flow_starts import changed_at_once, places_of_starts
 from stickslip.solvers.initial_states import LARGEST_START
 
 if TYPE_CHECKING:
@@ -237,7 +236,7 @@ def basins(
     batch = shifted_robots("basins", model, table["phase"]) if "phase" in table else spread_over(model, len(states))
     settled = settled_motions(batch, states, at, Settling(settle, limit, rtol), workers=crew, progress=progress, partly=True)
     result = _gathered(model, axes, settled, at, "phase" in table, rtol)
-    result = replace(result, notes=(*result.notes, *_changed(model, states)))
+    result = replace(result, notes=(*result.notes, *_changed(at, model, states)))
     if settled.ending.interrupted:
         done = np.count_nonzero(settled.kind != NOT_COMPUTED)
         note = settled.ending.note(f"{done} of {len(states)} starts are computed")
@@ -246,9 +245,9 @@ def basins(
     return result
 
 
-def _changed(model: Model, states: Array) -> list[str]:
+def _changed(at: Coordinates, model: Model, states: Array) -> list[str]:
     """A note where starts of a flow are beyond the guards of all its modes: `solve` refuses them, and a map shows them by what follows."""
-    count = 0 if adapter_of(model).has_bodies else int(changed_at_once(model, states[:, :-1]).sum())  # type: ignore[arg-type]
+    count = int(at.changed_at_once(model, states).sum())
     if not count:
         return []
     lie = "start lies" if count == 1 else "starts lie"
@@ -266,10 +265,7 @@ def grid_of(axes: dict[str, Array]) -> dict[str, Array]:
 def on_grid(table: dict[str, Array], model: Model) -> Array:
     """The starts of a grid for one robot: array (starts, coordinates); what the grid does not name is as at rest."""
     at = coordinates(model)
-    states = from_rest(table, at.names, state_at_rest(model, at)[0])
-    if not adapter_of(model).has_bodies:
-        states[:, -1] = places_of_starts(model, states[:, :-1])  # type: ignore[arg-type]
-    return states
+    return at.placed(model, from_rest(table, at.names, state_at_rest(model, at)[0]))
 
 
 def from_rest(table: dict[str, Array], names: tuple[str, ...], rest: Array) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import partial
+from functools import partial, singledispatch
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,12 +25,13 @@ from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, over_chunks
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over, strobe_map
-from stickslip.models.model_adapter import adapter_of
+from stickslip.dynamics.stroboscopic.strobe_maps import FlowCoordinates, coordinates, spread_over, strobe_map
 from stickslip.solvers.plain.composed_flows import mode_of_strobe_state
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates
 
 _COLUMNS = {
     "period": {"long_name": "drive periods until it repeats (0: none, -1: not computed)", "units": "1"},
@@ -176,12 +177,12 @@ def _looked_at(robots: Family, start: Any, section: tuple[Any, int], how: Settli
     tell(0.7)
     V = features_of(model.period, settled, at).mean_velocity
     state, exponent, error = settled.points[:, -1], settled.exponent.copy(), settled.error.copy()
-    followed = at.section is None and not (adapter_of(model).has_bodies and not_followed(model))
+    followed = at.section is None and not not_followed(model)
     for p in np.unique(settled.period[settled.period > 0]):
         members = np.flatnonzero(settled.period == p)
         some = some_of(model, members)
         if followed:
-            exponent[members], error[members] = _by_multipliers(some, state[members], int(p), at.scales, rtol)
+            exponent[members], error[members] = _by_multipliers(some, state[members], int(p), at, rtol)
         else:
             apart = max(1e-7, 100 * rtol)
             exponent[members], error[members] = exponents_from(
@@ -190,21 +191,24 @@ def _looked_at(robots: Family, start: Any, section: tuple[Any, int], how: Settli
     return settled.period, V, settled.kind, exponent, error, settled.run
 
 
-def _by_multipliers(model: Model, state: Array, period: int, scales: Array, rtol: float) -> tuple[Array, Array]:
+def _by_multipliers(model: Model, state: Array, period: int, at: Coordinates, rtol: float) -> tuple[Array, Array]:
     """The largest exponent per drive period of motions that repeat; its error: how far it is from that of the next turn."""
-    d = coordinates(model).smooth
     after = strobe_map(model, state, period, rtol).state
     with np.errstate(divide="ignore", invalid="ignore"):
-        if adapter_of(model).has_bodies:
-            both = [jacobians_of(model, s, period, rtol) * (scales[:d] / scales[:d, None]) for s in (state, after)]
-        else:
-            both = [_jacobians_of_flows(model, s, period) for s in (state, after)]
-        first, second = (np.log(_largest(matrices)) / period for matrices in both)
+        first, second = (np.log(_largest(_jacobians(at, model, s, period, rtol))) / period for s in (state, after))
         return first, np.nan_to_num(abs(first - second), posinf=np.inf)
 
 
-def _jacobians_of_flows(flows: Any, states: Array, period: int) -> Array:
-    """Derivatives of the states of some flows after so many periods, without the drifts of cyclic ones: array (cases, states, states)."""
+@singledispatch
+def _jacobians(at: Coordinates, models: Model, states: Array, period: int, rtol: float) -> Array:
+    """Derivatives of states after so many periods, in scales: array (cases, states, states)."""
+    scales = at.scales[: at.smooth]
+    return jacobians_of(models, states, period, rtol) * (scales / scales[:, None])
+
+
+@_jacobians.register(FlowCoordinates)
+def _(at: FlowCoordinates, flows: Any, states: Array, period: int, rtol: float) -> Array:
+    """Without the drifts of cyclic states, and not in scales, which largest eigenvalues do not see."""
     along = zip(cases_of(flows), states, strict=True)
     passed = [(flow, passage(flow, s[:-1], mode_of_strobe_state(flow, s), period * float(flow.period))) for flow, s in along]
     return np.stack([flow.drifts.without(each.monodromy) for flow, each in passed])

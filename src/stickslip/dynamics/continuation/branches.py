@@ -26,11 +26,9 @@ from stickslip.dynamics.continuation.following.traced_branch import BranchTrace,
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.continuation.special_points.accuracy import Special
 from stickslip.dynamics.continuation.special_points.own_events import Event, checked_events
-from stickslip.dynamics.flows.flow_cycles import at_its_switch as flow_at_its_switch
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle, at_its_switch
 from stickslip.dynamics.periodic.periodic_orbits import RTOL, PeriodicOrbit, periodic_orbit
 from stickslip.models.angular_coordinates import unit_of_part
-from stickslip.models.machine_adapter import machine_of
 from stickslip.models.model_adapter import adapter_of
 from stickslip.models.naming import in_its_unit
 
@@ -90,23 +88,21 @@ class Branch(Drawn):
         """The branch as an `xarray.Dataset` over ``point``, with the parameter as a coordinate."""
         import xarray as xr
 
-        of = adapter_of(self.orbits[0].model)
-        single = of.has_bodies and not machine_of(self.orbits[0].model).names_parts
+        of, words = adapter_of(self.orbits[0].model), self.orbits[0].words
         coords: dict[str, Any] = {self.parameter: ("point", self.values, self.family.describe(self.parameter))}
         names, when = self.orbits[0].names, "on the strobe" if self.orbits[0].model.period is not None else "at the start of the cycle"
         columns: dict[str, Any] = {
             n: ("point", [o.state[i] for o in self.orbits], state_attrs(n, when, self.orbits[0].model)) for i, n in enumerate(names)
         }
-        known = [name for name in _COLUMNS if (single or name not in _OF_ONE) and hasattr(self.orbits[0], name)]
+        known = [name for name in _COLUMNS if ("motion_type" in words or name not in _OF_ONE) and hasattr(self.orbits[0], name)]
         of_motion = {name: {"units": unit_of_part(what, self.orbits[0].model, "")} for name, what in _OF_MOTION.items() if of.has_units}
         columns |= {name: ("point", [getattr(o, name) for o in self.orbits], _COLUMNS[name] | of_motion.get(name, {})) for name in known}
-        if not of.has_bodies:
-            columns["pattern"] = ("point", [" ".join(map(str, o.pattern)) for o in self.orbits])
-        elif single:
-            columns["motion_type"] = ("point", [o.type for o in self.orbits])
-        else:
-            coords["contact"] = list(self.orbits[0].patterns)
-            columns["patterns"] = (("point", "contact"), [list(o.patterns.values()) for o in self.orbits])
+        for name, said in words.items():
+            if isinstance(said, str):
+                columns[name] = ("point", [o.words[name] for o in self.orbits])
+            else:
+                coords["contact"] = list(said)
+                columns[name] = (("point", "contact"), [list(o.words[name].values()) for o in self.orbits])
         multipliers = np.array([np.asarray(o.multipliers, complex) for o in self.orbits])
         columns["largest_multiplier"] = ("point", abs(multipliers).max(axis=1), _multiplier("largest size of a multiplier"))
         columns["multiplier_real"] = (("point", "multiplier"), multipliers.real, _multiplier("real part of a multiplier"))
@@ -314,7 +310,7 @@ def _at_switches(branch: Branch, name: str) -> Branch:
 
     def shown(cycle: Any) -> Any:
         try:
-            return (at_its_switch if adapter_of(cycle.model).has_bodies else flow_at_its_switch)(cycle, name)
+            return at_its_switch(cycle, name)
         except SolveError as error:
             return replace(cycle, notes=(*cycle.notes, str(error)))
 

@@ -213,7 +213,7 @@ def _orbits(problem: CurveProblem, states: list[Array]) -> tuple[tuple[Any, ...]
 def _is_of_arcs(special: Special) -> bool:
     """Whether it is a border of types of a motion made of arcs whose times are the only unknowns."""
     model = special.orbit.model
-    if not adapter_of(model).has_bodies or isinstance(special.orbit, LimitCycle) or special.kind != "type-border":
+    if not isinstance(special.orbit, PeriodicOrbit) or special.kind != "type-border":
         return False
     machine = machine_of(model)
     return machine.one_body is not None and not machine.has_inner_states and not knows_position(model)

@@ -21,7 +21,7 @@ from stickslip.engine.kinds import check_functions, kind_of
 from stickslip.engine.remembered import Remembered
 from stickslip.engine.tangent import has_corners, means_of, tangent
 from stickslip.engine.trace import trace
-from stickslip.models.machine_adapter import machine_of
+from stickslip.models.model_adapter import adapter_of
 
 _corners: Remembered[bool] = Remembered()
 _means: Remembered[tuple[str, ...]] = Remembered()
@@ -268,15 +268,8 @@ def has_corners_of(model: Model) -> bool:
 
 
 def not_followed(model: Model) -> str:
-    """Why changes are not followed along the runs of a model; "" where they are.
-
-    A contact that creeps turns over within velocities in which changes go on faster than time has digits.
-    """
-    laws = machine_of(model).laws
-    if not all(law.compiles for law in laws):
-        return "a law is written for plain numbers only"
-    creep = any(law.creep_velocity((0.0,) * law.states, 1.0) is not None for law in laws)
-    return "its friction reverses within creep velocities" if creep else ""
+    """Why changes are not followed along the runs of a model; "" where they are."""
+    return adapter_of(model).not_followed
 
 
 def orders_differ(model: Model, state: Array, periods: int = 1, rtol: float = 1e-12, tolerance: float = 1e-6) -> bool:

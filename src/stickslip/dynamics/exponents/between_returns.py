@@ -13,9 +13,8 @@ G. Benettin, L. Galgani, A. Giorgilli and J.-M. Strelcyn, Meccanica 15 (1980) 9;
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
+from functools import singledispatch
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,7 +28,7 @@ from stickslip.dynamics.flows.flow_stretches import passage
 from stickslip.dynamics.periodic.cycle_sections import far_end
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chosen_sections import LONGEST_RETURN
-from stickslip.dynamics.stroboscopic.strobe_maps import flow_map, strobe_map, strobe_points
+from stickslip.dynamics.stroboscopic.strobe_maps import FlowCoordinates, flow_map, strobe_map, strobe_points
 from stickslip.engine.tangent import tangent_and_volume
 from stickslip.models.model_adapter import adapter_of
 from stickslip.solvers.plain.composed_flows import composed, mode_of_strobe_state
@@ -47,8 +46,6 @@ _BRIEFLY = 1e-6  # of the time of a motion: over which its rates are differences
 _STILL = 1e-9  # in scales and that time: what moves by less stands still, and has no direction of its own
 _FALLS, _LASTS = 1e-6, 0.25  # from one quarter of the returns to the next: logarithms of rates; part of the first fall that is left
 
-Stretches = Callable[[Array, Array], list[tuple[Array, Any, Array]]]
-
 
 def between_returns(
     model: Model, periods: int, settle: int, start: Any, rtol: float, progress: Report | None, at: Coordinates
@@ -58,7 +55,6 @@ def between_returns(
     state = strobe_map(model, state, settle, rtol, at).state if settle else state
     frame, parts, watch = Frame(at.smooth - len(at.drifts.free)), -ALIGN, Watch(periods, progress)
     after = 1.0 + _JUST_AFTER if at.section.is_switch else 1.0
-    stretches: Stretches = partial(_of_machine if adapter_of(model).has_bodies else _of_flow, model, at, rtol)
     logs, lengths, times = list[Array](), list[float](), list[float]()
     with partial_result() as ending:
         while parts < periods:
@@ -66,7 +62,7 @@ def between_returns(
             count = ALIGN if parts < 0 else min(CHUNK, periods - parts)
             points, _, took = strobe_points(model, state, count, rtol, at)
             begins, state = np.vstack([state, points[:-1, 0]]), points[-1]
-            for M, volume, f in stretches(begins, took[:, 0] * after):
+            for M, volume, f in _stretches(at, model, rtol, begins, took[:, 0] * after):
                 logs.append(with_lost(frame.carried(M, f), volume, 0))
                 lengths.append(frame.longer)
             times += took[:, 0].tolist()
@@ -125,7 +121,8 @@ def _logs(growth: Any) -> Array:
         return np.log(abs(np.asarray(growth)))
 
 
-def _of_machine(model: Model, at: Coordinates, rtol: float, begins: Array, took: Array) -> list[tuple[Array, Any, Array]]:
+@singledispatch
+def _stretches(at: Coordinates, model: Model, rtol: float, begins: Array, took: Array) -> list[tuple[Array, Any, Array]]:
     """Of each stretch its derivative, in scales, the logarithm of the growth of its volume, and the rates at its beginning."""
     scales = at.scales[: at.smooth]
     count, d = len(begins), len(scales)
@@ -139,7 +136,8 @@ def _of_machine(model: Model, at: Coordinates, rtol: float, begins: Array, took:
     return list(zip(matrices, changes.volume[::d], rates * _time_of(at) / scales, strict=True))
 
 
-def _of_flow(flow: Any, at: Coordinates, rtol: float, begins: Array, took: Array) -> list[tuple[Array, Any, Array]]:
+@_stretches.register(FlowCoordinates)
+def _(at: FlowCoordinates, flow: Any, rtol: float, begins: Array, took: Array) -> list[tuple[Array, Any, Array]]:
     """The same of a flow, right at its switches; of its volume it is only known where a switch wipes out a direction."""
     fields, stretches = composed(flow).fields, []
     for state, time in zip(begins, took.tolist(), strict=True):

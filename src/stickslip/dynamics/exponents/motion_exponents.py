@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import partial, singledispatch
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,7 +26,7 @@ from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, Tell, over_chunks
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, flight, refuse_chance, strobe_map, strobe_states
+from stickslip.dynamics.stroboscopic.strobe_maps import FlowCoordinates, coordinates, flight, refuse_chance, strobe_map, strobe_states
 from stickslip.engine.tangent import tangent_and_volume
 from stickslip.models.model_adapter import adapter_of
 from stickslip.solvers.plain.composed_flows import mode_of_strobe_state
@@ -107,8 +107,14 @@ def exponents_along(
     """The exponents of `lyapunov`, and whether they are averages over fewer periods, as it was interrupted."""
     if at.section is not None:
         return between_returns(model, periods, settle, start, rtol, progress, at)
-    if not adapter_of(model).has_bodies:
-        return _of_flow(model, periods, settle, start), False
+    return _over_periods(at, model, periods, settle, start, rtol, progress)
+
+
+@singledispatch
+def _over_periods(
+    at: Coordinates, model: Model, periods: int, settle: int, start: Any, rtol: float, progress: Report | None
+) -> tuple[Lyapunov, bool]:
+    """The same of a model with a period."""
     state = state_after(model, start, settle, rtol)
     run = flight(model, state[0], ALIGN, rtol)  # its growth is left out: the frame turns into place
     state, Q, logs, parts = strobe_states(run)[-1:], _growth(run, np.eye(coordinates(model).smooth))[1], [], 0
@@ -129,11 +135,12 @@ def exponents_along(
     return replace(exponents, note="; ".join(filter(None, notes))), ending.interrupted
 
 
-def _of_flow(flow: Any, periods: int, settle: int, start: Any) -> Lyapunov:
-    """The same of a flow, from the derivative that its tangent gives of each period."""
+@_over_periods.register(FlowCoordinates)
+def _(at: FlowCoordinates, flow: Any, periods: int, settle: int, start: Any, rtol: float, progress: Report | None) -> tuple[Lyapunov, bool]:
+    """From the derivative that the tangent of a flow gives of each period."""
     state, T = state_after(flow, start, settle, 1e-12)[0], float(flow.period)
     mode = mode_of_strobe_state(flow, state)
-    return summary(exponents_of(flow, state[:-1], mode, duration=periods * T, settle=ALIGN * T, every=T, rtol=1e-12)[0])
+    return summary(exponents_of(flow, state[:-1], mode, duration=periods * T, settle=ALIGN * T, every=T, rtol=1e-12)[0]), False
 
 
 def state_after(model: Model, start: Any, settle: int, rtol: float, at: Coordinates | None = None) -> Array:
@@ -146,7 +153,7 @@ def check_exponents(model: Model, periods: Any, settle: Any) -> None:
     """Refuse what has no exponents here, and lengths that are none."""
     needs_model("lyapunov", model, flows=True, sections=True)
     refuse_chance(adapter_of(model))
-    if adapter_of(model).has_bodies and (why := not_followed(model)):
+    if why := not_followed(model):
         hint = "type ss.dynamics.largest_exponents(machine) for the largest exponent, from neighbours"
         raise InputError("lyapunov", [f"perturbations are not propagated here, as {why}; {hint}"])
     problems = Problems("lyapunov")

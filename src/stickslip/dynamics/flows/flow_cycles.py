@@ -14,6 +14,7 @@ from stickslip.dynamics.flows.flow_orbits import FlowOrbit, closed_once, multipl
 from stickslip.dynamics.flows.flow_stretches import passage
 from stickslip.dynamics.periodic.cycle_sections import Section
 from stickslip.dynamics.periodic.given_states import states_of
+from stickslip.dynamics.periodic.limit_cycles import at_its_switch
 from stickslip.dynamics.stroboscopic.chosen_sections import LONGEST_CYCLE, on_section, shown_by_a_run, turns_shown
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, strobe_map, strobe_points
 from stickslip.solvers.plain.composed_flows import mode_of_strobe_state
@@ -55,7 +56,8 @@ def on_its_section(orbit: FlowOrbit, at: Coordinates) -> FlowOrbit:
     return replace(cycle_at(flow, begun, orbit.duration, residual, section, turns), notes=orbit.notes)
 
 
-def at_its_switch(orbit: FlowOrbit, name: str, period: int | None = None) -> FlowOrbit:
+@at_its_switch.register(FlowOrbit)
+def _(orbit: FlowOrbit, name: str, period: int | None = None) -> FlowOrbit:
     """A cycle as it begins behind a switch from one mode to another; its period is how often that happens.
 
     Raises

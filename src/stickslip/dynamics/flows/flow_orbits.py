@@ -127,6 +127,11 @@ class FlowOrbit(Repeating):
         """The modes in order."""
         return tuple(after for _, _, after in self.passage.events) or (self.mode,)
 
+    @property
+    def words(self) -> dict[str, str]:
+        """The modes in order."""
+        return {"pattern": " ".join(map(str, self.pattern))}
+
     def _facts(self) -> dict[str, Any]:
         stability = f"{self.stability}; {self._multipliers_text}"
         return {"duration": f"{self.duration:.9g}", "switches": len(self.events), "stability": stability}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -36,6 +37,11 @@ class Repeating(Drawn, OfOneRun):
 
     def _drawn(self) -> Any:
         return self.run
+
+    @property
+    @abstractmethod
+    def words(self) -> Mapping[str, Any]:
+        """What it is in words, by the name of a column: one word, or one for each contact by its name."""
 
     @property
     def section_state(self) -> Array:
@@ -82,6 +88,16 @@ class ClosedMotion(Repeating):
     @abstractmethod
     def _begins(self, pattern: str) -> Any:
         """The smallest value along the part of the pattern that begins as it should."""
+
+    @property
+    @abstractmethod
+    def type(self) -> str:
+        """The type of the motion."""
+
+    @property
+    def words(self) -> Mapping[str, Any]:
+        """The type; where the model names its contacts the pattern of each."""
+        return {"patterns": self.patterns} if machine_of(self.model).names_parts else {"motion_type": self.type}
 
     @property
     def strobe_state(self) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import singledispatch
 from typing import Any
 
 import numpy as np
@@ -11,8 +12,14 @@ from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import floats, number
 from stickslip.dynamics.periodic.closed_orbits import ClosedMotion
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, state_at_rest, states_of_start, strobe_states
-from stickslip.models.model_adapter import adapter_of
+from stickslip.dynamics.stroboscopic.strobe_maps import (
+    Coordinates,
+    FlowCoordinates,
+    coordinates,
+    state_at_rest,
+    states_of_start,
+    strobe_states,
+)  # fmt: skip
 from stickslip.models.state_layout import of_one_contact
 from stickslip.models.switching_flow import knows_mode, unknown_mode
 from stickslip.solvers.flow_requests import starts_of
@@ -28,14 +35,23 @@ def states_of(start: Any, model: Model) -> Array:
         return rest
     if isinstance(start, (list, np.ndarray)) and (table := floats(start)).shape == rest.shape:
         return np.array(_checked(start, table, at))
-    if not adapter_of(model).has_bodies:
-        return np.tile(_flow_state(start, model, at), (len(rest), 1))
+    return _given(at, start, model, rest)
+
+
+@singledispatch
+def _given(at: Coordinates, start: Any, model: Any, rest: Array) -> Array:
+    """The states of a start that is no table of them; `rest` are those at rest."""
     if isinstance(start, dict) and at.named:
         return _checked(start, states_of_start("start", model, start), at)
     if isinstance(start, dict):
         columns = [_named(start, name, rest[:, i]) for i, name in enumerate(at.names)]
         return _checked(start, np.stack(columns, axis=1), at)
     return np.tile(_one_state(start, at, rest[0]), (len(rest), 1))
+
+
+@_given.register(FlowCoordinates)
+def _(at: FlowCoordinates, start: Any, flow: Any, rest: Array) -> Array:
+    return np.tile(_flow_state(start, flow, at), (len(rest), 1))
 
 
 def _flow_state(start: Any, flow: Any, at: Coordinates) -> Array:

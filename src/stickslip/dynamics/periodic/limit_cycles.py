@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, singledispatch
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -232,7 +232,8 @@ def _once(cycle: LimitCycle, rtol: float, tolerance: float) -> LimitCycle:
     return cycle
 
 
-def at_its_switch(cycle: LimitCycle, name: str, period: int | None = None) -> LimitCycle:
+@singledispatch
+def at_its_switch(cycle: Any, name: str, period: int | None = None) -> Any:
     """A cycle as it begins where a contact sticks, or slips; its period is how often that happens.
 
     Raises

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, singledispatch
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
@@ -15,8 +15,8 @@ from stickslip.basics.errors import Problems, SolveError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible
 from stickslip.dynamics.derivatives.tangents import Directions, changes_along, jacobian_of, not_followed, orders_differ
-from stickslip.dynamics.flows.flow_cycles import cycle_of_flow, cycle_shown
-from stickslip.dynamics.flows.flow_orbits import FlowOrbit, flow_orbit
+from stickslip.dynamics.flows.flow_cycles import cycle_at, cycle_of_flow, cycle_shown
+from stickslip.dynamics.flows.flow_orbits import FlowOrbit, flow_orbit, orbit_at
 from stickslip.dynamics.periodic.closed_orbits import NEUTRAL, ClosedMotion, multipliers_of, resting
 from stickslip.dynamics.periodic.cycle_sections import TURN, Section
 from stickslip.dynamics.periodic.drifting import drift_sentence
@@ -28,6 +28,7 @@ from stickslip.dynamics.stroboscopic.differences import at_limits, beyond_limits
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import (
     Coordinates,
+    FlowCoordinates,
     coordinates,
     flight,
     position_of,
@@ -38,7 +39,6 @@ from stickslip.dynamics.stroboscopic.strobe_maps import (
 )  # fmt: skip
 from stickslip.models.angular_coordinates import unit_of_part
 from stickslip.models.machine_adapter import is_machine, machine_of
-from stickslip.models.model_adapter import adapter_of
 from stickslip.models.rounding import without_rounding
 from stickslip.models.switching_flow import SwitchingFlow
 from stickslip.solvers.plain.composed_flows import mode_of_strobe_state
@@ -281,10 +281,13 @@ def periodic_orbit(
         return limit_cycle(model, period, guess, section=section, rtol=rtol, tolerance=tolerance)
     if model.period is None:
         return cycle_shown(model, period, guess, section)
-    period = 1 if period is None else int(period)
-    if not adapter_of(model).has_bodies:
-        return _orbit_of_flow(model, period, guess)
-    at, tried, beyond = coordinates(model), list[Root](), tuple[str, ...]()
+    return _forced(coordinates(model), model, 1 if period is None else int(period), guess, rtol, tolerance)
+
+
+@singledispatch
+def _forced(at: Coordinates, model: Model, period: int, guess: Any, rtol: float, tolerance: float) -> PeriodicOrbit | FlowOrbit:
+    """A periodic motion of a model with a period."""
+    tried, beyond = list[Root](), tuple[str, ...]()
     for state in _from_rest(model, int(period), at) if guess is None else [states_of(guess, model)[0]]:
         root = _solve(model, int(period), state, rtol, tolerance)
         tried.append(root)
@@ -304,14 +307,45 @@ def orbit_near(model: Model, period: int, state: Array, at: Coordinates) -> Peri
     if at.section is None:
         return periodic_orbit(model, period, guess=state)
     took = float(strobe_map(model, state[None, :], period, 1e-10, at).duration[0])
-    if not adapter_of(model).has_bodies:
-        return cycle_of_flow(model, state, took, at)
+    return _cycle_near(at, model, period, state, took)
+
+
+@singledispatch
+def _cycle_near(at: Coordinates, model: Model, period: int, state: Array, took: float) -> LimitCycle | FlowOrbit:
+    """The cycle near a state on the section that comes back after some time."""
     if at.section.is_switch:
         nearby = LimitCycle(model, period, state, took, np.nan, RTOL, on_section=state)
         return limit_cycle(model, period, nearby, section=at.section.name)
     turns = machine_of(model).turning_velocity is not None and at.section.name == "v"
     section = TURN if turns else Section(at.section.index, float(at.section.value))
     return limit_cycle(model, period, LimitCycle(model, period, state, took, np.nan, RTOL, section=section))
+
+
+@_cycle_near.register(FlowCoordinates)
+def _(at: FlowCoordinates, flow: Any, period: int, state: Array, took: float) -> FlowOrbit:
+    return cycle_of_flow(flow, state, took, at)
+
+
+@singledispatch
+def orbit_through(at: Coordinates, model: Model, period: int, state: Array, residual: float, rtol: float) -> PeriodicOrbit | FlowOrbit:
+    """The orbit of a model with a period through a state that is known to come back."""
+    return PeriodicOrbit(model, period, with_rests(model, state, period, rtol), residual, rtol)
+
+
+@orbit_through.register(FlowCoordinates)
+def _(at: FlowCoordinates, flow: Any, period: int, state: Array, residual: float, rtol: float) -> FlowOrbit:
+    return orbit_at(flow, state, period, residual)
+
+
+@singledispatch
+def cycle_through(at: Coordinates, cycle: LimitCycle) -> LimitCycle | FlowOrbit:
+    """The cycle of a model without a period that is known to come back; `cycle` says its model, turns, state, duration and section."""
+    return cycle
+
+
+@cycle_through.register(FlowCoordinates)
+def _(at: FlowCoordinates, cycle: LimitCycle) -> FlowOrbit:
+    return cycle_at(cycle.model, cycle.state, cycle.duration, cycle.residual, cycle.section, cycle.period)
 
 
 def derivative_of(orbit: Any, at: Coordinates) -> Array:
@@ -321,8 +355,9 @@ def derivative_of(orbit: Any, at: Coordinates) -> Array:
     return difference_jacobian(orbit.model, orbit.strobe_state, orbit.period, orbit.rtol, at=at)
 
 
-def _orbit_of_flow(flow: Any, period: int, guess: Any) -> FlowOrbit:
-    """A periodic orbit of a forced flow; without a guess from where it settles."""
+@_forced.register(FlowCoordinates)
+def _(at: FlowCoordinates, flow: Any, period: int, guess: Any, rtol: float, tolerance: float) -> FlowOrbit:
+    """Without a guess from where it settles."""
     state = states_of(guess, flow)[0]
     return flow_orbit(flow, state[:-1], mode_of_strobe_state(flow, state), periods=period, settle=0 if guess is not None else _SETTLING)
 

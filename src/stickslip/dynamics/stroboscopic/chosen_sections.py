@@ -14,8 +14,7 @@ from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems, StickslipError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.stroboscopic.return_maps import ReturnSection
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, flow_map, state_at, state_at_rest
-from stickslip.models.machine_adapter import machine_of
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, flow_map, state_at_rest
 from stickslip.models.model_adapter import adapter_of
 from stickslip.solvers.plain.composed_flows import composed, mode_of_strobe_state
 
@@ -73,9 +72,8 @@ def on_section(
     values: Any
     if asked.switch:
         shown = shown_by_a_run(one, at, Asked(), states)
-        longest = (
-            LONGEST_RETURN * np.asarray(_time_of(model), float) if adapter_of(model).has_bodies else _longest_of_switches(shown, asked)
-        )
+        time = at.time_of(model)
+        longest = _longest_of_switches(shown, asked) if time is None else LONGEST_RETURN * np.asarray(time, float)
         begun = shown.begun if shown.oscillates else None
         return replace(at, section=ReturnSection(str(asked.name), -1, np.nan, 1.0, longest, int(turns), begun))
     if turning := _where_the_spring_turns(model, asked):
@@ -122,7 +120,7 @@ def _where_the_spring_turns(model: Any, asked: Asked) -> tuple[Cut, Any] | None:
     far = adapter_of(model).turning_velocity
     if far is None or asked.value is not None or asked.name not in (None, "v"):
         return None
-    return Cut("v", np.asarray(far, float), -1.0), LONGEST_RETURN * np.asarray(machine_of(model).time_scale, float)  # type: ignore[arg-type]
+    return Cut("v", np.asarray(far, float), -1.0), LONGEST_RETURN * np.asarray(adapter_of(model).time_scale, float)  # type: ignore[arg-type]
 
 
 @sealed
@@ -204,32 +202,21 @@ def _passed_by_all(model: Any, at: Coordinates, asked: Asked, first: Shown, stat
 
 def _shown(model: Any, at: Coordinates, asked: Asked, state: Array) -> Shown:
     """What the run of one start shows."""
-    if adapter_of(model).has_bodies:
-        longest = LONGEST_RETURN * float(np.max(_time_of(model)))
-        run = _run_of(model, at, state, longest)
-        cut = cut_of(run, asked)
-        return Shown(cut, longest, longest, _moves(run, at, cut), run, state, state_at(run, float(run.pieces.t[-1])))
-    span = _FIRST * _begins_in(model, at, state)
+    time = at.time_of(model)
+    span = _FIRST * _begins_in(model, at, state) if time is None else LONGEST_RETURN * float(np.max(time))
     for k in range(_DOUBLED + 1):
         run = _run_of(model, at, state, span)
         cut = cut_of(run, asked)
+        if time is not None:
+            return Shown(cut, span, span, _moves(run, at, cut), run, state, at.last(run))
         t = passages(run, cut)
         late = t[t >= 0.5 * span]
         if len(late) >= _ENOUGH and _moves(run, at, cut):
-            return Shown(cut, LONGEST_RETURN * float(np.diff(late).max()), span, True, run, state, run.strobe_state)
+            return Shown(cut, LONGEST_RETURN * float(np.diff(late).max()), span, True, run, state, at.last(run))
         if k == _DOUBLED or _rests(run, at):
             break
         span *= 2.0
-    return Shown(cut, span, span, False, run, state, run.strobe_state)
-
-
-def _time_of(model: Any) -> Any:
-    """A typical time of a machine [s]; an error where none is known."""
-    time = machine_of(model).time_scale
-    if time is None:
-        mistake = "it has neither a period nor a time_scale, so the time within which its motions come back is not known"
-        raise InputError(type(model).__name__, [f"{mistake}; give the class a time_scale, such as time_scale = 1.0"])
-    return time
+    return Shown(cut, span, span, False, run, state, at.last(run))
 
 
 def _run_of(model: Any, at: Coordinates, state: Array, duration: float) -> Any:

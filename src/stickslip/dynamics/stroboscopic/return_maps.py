@@ -9,17 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import singledispatch
 from typing import Any
 
 import numpy as np
 
-from stickslip.analysis.section_choice import SWITCHES, contact_names, modes_passed
+from stickslip.analysis.section_choice import modes_passed
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.status import Status
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, Ends, ends_of_flow, map_method, spread_over
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, Ends, FlowCoordinates, ends_of_flow, map_method, spread_over
+from stickslip.models.friction.law_adapter import SWITCHES
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.model_adapter import adapter_of
 
 _ON = 1e-9  # of a coordinate's scale: a start that is so near to the section is on it
 
@@ -70,7 +71,7 @@ class ReturnSection:
 
     def map_of(self, model: Model, rtol: float, at: Coordinates) -> Callable[[Array, int], Ends]:
         """The return map of a model, for `strobe_map`."""
-        return return_map(model, rtol, at)
+        return _returns(at, model, rtol)
 
     def of(self, cases: Any) -> ReturnSection:
         """The section of some cases of a batch."""
@@ -92,11 +93,10 @@ class ReturnSection:
         return f"{self.name} {'rises' if self.direction > 0 else 'falls'} through {where}"
 
 
-def return_map(model: Model, rtol: float, at: Coordinates) -> Callable[[Array, int], Ends]:
+@singledispatch
+def _returns(at: Coordinates, model: Model, rtol: float) -> Callable[[Array, int], Ends]:
     """The return map of a model as a function of states, one for each case of the model, and of returns."""
     table: Any = None
-    if not adapter_of(model).has_bodies:
-        return lambda states, returns: _returned_by_flow(model, states, returns * at.section.turns, at)
 
     def mapped(states: Array, returns: int) -> Ends:
         nonlocal table
@@ -104,6 +104,11 @@ def return_map(model: Model, rtol: float, at: Coordinates) -> Callable[[Array, i
         return ends
 
     return mapped
+
+
+@_returns.register(FlowCoordinates)
+def _(at: FlowCoordinates, flow: Any, rtol: float) -> Callable[[Array, int], Ends]:
+    return lambda states, returns: _returned_by_flow(flow, states, returns * at.section.turns, at)
 
 
 def _returned(model: Model, states: Array, returns: int, rtol: float, at: Coordinates, table: Any) -> tuple[Ends, Any]:
@@ -156,7 +161,7 @@ def _numbers_of(section: ReturnSection, column: int | None, model: Model, kernel
     if column is not None:
         return {weight_of(i): section.direction if i == column else 0.0 for i in range(kernel.states)}
     kind, _, name = section.name.partition(" of ")
-    names = {switch_of(i, each): (each, contact) for i, contact in enumerate(contact_names(model)) for each in SWITCHES}
+    names = {switch_of(i, each): (each, contact) for i, contact in enumerate(machine_of(model).mechanics.contacts) for each in SWITCHES}
     return {number: float(which == (kind, name)) for number, which in names.items() if number in kernel.names}
 
 

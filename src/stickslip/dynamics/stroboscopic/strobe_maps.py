@@ -27,7 +27,7 @@ from stickslip.models.machine_adapter import MachineAdapter, machine_of
 from stickslip.models.model_adapter import ModelAdapter, adapter_of
 from stickslip.results.segments import intervals_of
 from stickslip.results.steadiness import way_of_machine
-from stickslip.solvers.flow_starts import places_of_starts
+from stickslip.solvers.flow_starts import changed_at_once, places_of_starts
 from stickslip.solvers.initial_states import start_states
 from stickslip.solvers.plain.composed_flows import mode_of_strobe_state
 
@@ -143,6 +143,28 @@ class Coordinates:
         """The last states before a run could not be followed on, where they are known."""
         return np.empty((0, len(self.names)))
 
+    in_lanes = True  # whether runs and small changes of their starts go in lanes of one kernel
+
+    def time_of(self, model: Any) -> Any:
+        """A typical time of a model [s], of which a return takes some; None where runs have to show it."""
+        time = machine_of(model).time_scale
+        if time is None:
+            mistake = "it has neither a period nor a time_scale, so the time within which its motions come back is not known"
+            raise InputError(type(model).__name__, [f"{mistake}; give the class a time_scale, such as time_scale = 1.0"])
+        return time
+
+    def last(self, run: Any) -> Array:
+        """The state at the end of a run."""
+        return state_at(run, float(run.pieces.t[-1]))
+
+    def placed(self, model: Any, states: Array) -> Array:
+        """States with the place of what follows from them."""
+        return states
+
+    def changed_at_once(self, model: Any, states: Array) -> Array:
+        """Which states are others at once, as they lie beyond all guards."""
+        return np.zeros(len(states), bool)
+
     @property
     def comes_again(self) -> bool:
         """Whether states that differ may be one: on a track that repeats, and of cyclic coordinates."""
@@ -196,7 +218,22 @@ class FlowCoordinates(Coordinates):
         """The states after some time."""
         return _of_flow(model, states, duration)
 
-    has_phase = False
+    has_phase = in_lanes = False
+
+    def time_of(self, model: Any) -> None:
+        """Its functions do not say it."""
+
+    def last(self, run: Any) -> Array:
+        """The state and the mode at the end of a run."""
+        return np.asarray(run.strobe_state)
+
+    def placed(self, model: Any, states: Array) -> Array:
+        """States with the place of the mode in which a run begins there."""
+        return np.column_stack([states[:, :-1], places_of_starts(model, states[:, :-1])])
+
+    def changed_at_once(self, model: Any, states: Array) -> Array:
+        """Those of which a reset makes others."""
+        return changed_at_once(model, states[:, :-1])
 
     @property
     def start_names(self) -> tuple[str, ...]:
@@ -488,13 +525,8 @@ def has_arcs(model: Model) -> bool:
 
 def coordinates_of_flow(flow: Any) -> Coordinates:
     """The states of a flow by their names, and the place of its mode among its modes, which is a memory."""
-    if flow.states is None:
-        raise InputError(
-            "SwitchingFlow", ["its states have no names, so their number is not known; type states=('x', 'v') where it is made"]
-        )
-    names = flow.names(len(flow.states) + len(flow.inner))
-    order = Order(names, slice(0, len(names)), slice(len(names), len(names)), slice(0, 0), (), False)
-    return FlowCoordinates((*names, "mode"), np.append(flow.sizes, 1.0), order, 1, drifts=flow.drifts)
+    order = order_of(flow)
+    return FlowCoordinates((*order.names, "mode"), np.append(flow.sizes, 1.0), order, 1, drifts=flow.drifts)
 
 
 def _of_flow(flow: Any, states: Array, duration: Any) -> Ends:

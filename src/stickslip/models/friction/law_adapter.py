@@ -17,6 +17,7 @@ from stickslip.basics.contracts import Law, Numeric
 from stickslip.basics.errors import InputError, OneContactNeeded
 from stickslip.basics.maths import sqrt, where
 
+SWITCHES = ("stick", "slip")  #: of a contact that rests exactly, called "stick of belt"
 TINY = 1e-300  # a velocity that has a sign and nothing else
 _NO_LESS = 1e-150  # a velocity whose square is a number
 #: Of the velocity scale, the creep that is lost in the rounding of slips and of the instants at which steps end; and that of a slip that is

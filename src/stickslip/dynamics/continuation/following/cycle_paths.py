@@ -10,10 +10,10 @@ import numpy as np
 
 from stickslip.basics.contracts import Array
 from stickslip.dynamics.continuation.following.pseudo_arclength import Path, Point
-from stickslip.dynamics.flows.flow_cycles import cycle_at
 from stickslip.dynamics.periodic.cycle_sections import TURN, Section
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle
 from stickslip.dynamics.periodic.newton import Root
+from stickslip.dynamics.periodic.periodic_orbits import cycle_through
 from stickslip.dynamics.stroboscopic.strobe_maps import state_at
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.model_adapter import adapter_of
@@ -118,15 +118,14 @@ class CyclePath(Path):
         """The cycle at a point."""
         model, u = self.robot(root.at), root.at[: self.at.smooth]
         state = self.section.states(model, self.at, u[None, :], root.memory)[0]
-        if not adapter_of(model).has_bodies:
-            return cycle_at(model, state, float(u[-1] * self.unit), root.residual, self.section, self.period)
-        return LimitCycle(model, self.period, state, float(u[-1] * self.unit), root.residual, self.rtol, section=self.section)
+        cycle = LimitCycle(model, self.period, state, float(u[-1] * self.unit), root.residual, self.rtol, section=self.section)
+        return cycle_through(self.at, cycle)
 
 
-def rests_on_one_contact(model: Any) -> bool:
-    """Whether a model is a machine with one contact, on which it rests exactly: how long it does says where that ends."""
-    adapter = adapter_of(model)
-    return adapter.has_bodies and len(adapter.laws) == 1 and not adapter.laws[0].dynamic
+def rests_on_one_contact(cycle: Any) -> bool:
+    """Whether a cycle is that of a machine with one contact, on which it rests exactly: how long it does says where that ends."""
+    laws = adapter_of(cycle.model).laws if isinstance(cycle, LimitCycle) else ()
+    return len(laws) == 1 and not laws[0].dynamic
 
 
 def vanishing(path: Path, points: list[Point]) -> tuple[float, float] | None:
@@ -136,7 +135,7 @@ def vanishing(path: Path, points: list[Point]) -> tuple[float, float] | None:
     continued to zero, from the last points, and then from more cycles among them, whose scatter says how sure that is.
     """
     last = points[-1]
-    if not isinstance(path, CyclePath) or not rests_on_one_contact(last.orbit.model):
+    if not isinstance(path, CyclePath) or not rests_on_one_contact(last.orbit):
         return None
     kept = [(p.value, _rest(p.orbit) ** 2) for p in points if p.orbit.residual < _WELL][-3:]
     if len(kept) < 3 or not kept[0][1] > kept[1][1] > kept[2][1] > 0.0 or kept[-1][1] > (_SHORT * last.orbit.duration) ** 2:

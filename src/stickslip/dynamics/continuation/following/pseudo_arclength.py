@@ -20,10 +20,9 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.continuation.following.arclength import in_plane, tangent_of
 from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.derivatives.tangents import Directions, changes_along, jacobians_of, not_followed
-from stickslip.dynamics.flows.flow_orbits import orbit_at
 from stickslip.dynamics.periodic.newton import STEP, Root, newton_within, slopes_at
-from stickslip.dynamics.periodic.periodic_orbits import RUNS, PeriodicOrbit
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, flight, state_at, strobe_map, with_rests
+from stickslip.dynamics.periodic.periodic_orbits import RUNS, PeriodicOrbit, orbit_through
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, flight, state_at, strobe_map
 from stickslip.models.model_adapter import adapter_of
 
 _CORNER = 10.0  # how much further than the parameter the state may move across a corner, in scales
@@ -173,9 +172,9 @@ class Path:
 
     @cached_property
     def _followed(self) -> bool:
-        """Whether changes of the state are followed along the runs, as they are for machines only."""
+        """Whether changes of the state are followed along the runs, as they are in lanes."""
         first = self.family.robot(*np.atleast_1d(self.origin))
-        return adapter_of(first).has_bodies and not not_followed(first)
+        return self.at.in_lanes and not not_followed(first)
 
     def derivatives(self, U: Array, memory: Array, worse: bool = False) -> tuple[Array, Array]:
         """Residuals of states, and their derivatives by the inner unknowns, in one batch; by differences if that fails.
@@ -243,10 +242,7 @@ class Path:
     def orbit(self, root: Root) -> Any:
         """The motion at a point."""
         state = np.append(root.at[: self.at.smooth] * self.scales, root.memory)
-        model = self.robot(root.at)
-        if not adapter_of(model).has_bodies:
-            return orbit_at(model, state, self.period, root.residual)
-        return PeriodicOrbit(model, self.period, with_rests(model, state, self.period, self.rtol), root.residual, self.rtol)
+        return orbit_through(self.at, self.robot(root.at), self.period, state, root.residual, self.rtol)
 
     def longer_run(self, u: Array, memory: Array) -> tuple[Any, float, float]:
         """A run from a place that goes on for some time after the motion, how long the motion takes, and a period of it."""

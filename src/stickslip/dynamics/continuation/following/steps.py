@@ -14,7 +14,6 @@ from stickslip.dynamics.continuation.following.pseudo_arclength import Path, Poi
 from stickslip.dynamics.continuation.special_points.branch_points import crossing_between
 from stickslip.dynamics.continuation.special_points.grazing import grazed
 from stickslip.dynamics.periodic.newton import Root
-from stickslip.models.model_adapter import adapter_of
 
 _SAME, _LOOKED_BACK = 1e-2, 20  # a point so near, in steps, to the line through so many before it is on the way back
 _STRAIGHT, _SMALL = 0.8, 1e-4  # by how much, as a cosine, a branch may turn within a step that is not small
@@ -77,7 +76,7 @@ def _next(path: Path, here: Point, step: float, passed: list[Array]) -> tuple[Ro
     if not isinstance(ahead, str) or ahead.startswith(OUTSIDE):
         return ahead
     # behind a stop of a machine the search is longer than all the rest
-    turns = not adapter_of(here.orbit.model).has_bodies or not grazed(here.orbit)
+    turns = not path.at.in_lanes or not grazed(here.orbit)
     jumped = (beyond for beyond in path.beyond(here, turns) if not _goes_back(beyond[1], here, passed))
     return next(jumped, None) or ahead
 

@@ -104,7 +104,7 @@ def _known(special: list[Special], candidate: Special) -> bool:
 def _special(path: Path, points: list[Point], b: Point, s: Located) -> Special:
     """A special point between the last point and another, as well as it is known from the motions beside it."""
     known: tuple[float, float] | None = None
-    if s.kind == "type-border" and isinstance(path, CyclePath) and rests_on_one_contact(s.point.orbit.model):
+    if s.kind == "type-border" and isinstance(path, CyclePath) and rests_on_one_contact(s.point.orbit):
         known = _rest_begins(path, points, b, s)
     elif s.kind == "grazing":
         known = _touch_begins(path, points[-1], b, s)

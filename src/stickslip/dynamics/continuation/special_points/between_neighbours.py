@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping
+from functools import partial, singledispatch
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,13 +18,11 @@ from stickslip.dynamics.continuation.special_points.accuracy import certain
 from stickslip.dynamics.continuation.special_points.branch_points import broken_symmetry, crossing_between
 from stickslip.dynamics.continuation.special_points.near_grazings import BOTH_SIDES, Touch, touches
 from stickslip.dynamics.continuation.special_points.own_events import Event, number_of
+from stickslip.dynamics.flows.flow_orbits import FlowOrbit
 from stickslip.dynamics.periodic.newton import root_between
+from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.model_adapter import adapter_of
-
-if TYPE_CHECKING:
-    from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
-
 
 _AT_A_FOLD = 0.05  # how near to 1 a multiplier must be: a direction that turns without one is rounding where a branch ends
 _MOST_CHANGES = 8  # that are looked for between two points
@@ -67,7 +66,7 @@ def located(path: Path, a: Point, b: Point, events: Mapping[str, Event] | None =
     if a.turning * b.turning < 0:
         points += _turning(on)
     points += _changes(on, _reversals, lambda x, y: "grazing", _said_of_reversals) if _is_dynamic(a.orbit) else []
-    points += _changes(on, _word, _kind_of_change if adapter_of(a.orbit.model).has_bodies else _kind_of_switches, _said_of_words)
+    points += _changes(on, _word, partial(_kind_of_change, a.orbit), _said_of_words)
     for name, event in (events or {}).items():
         points += _event(on, name, event)
     return sorted(points, key=lambda item: (item.point.u - a.u) @ on.along)
@@ -230,15 +229,20 @@ def _change(on: Stretch, low: tuple[float, Point], word: Callable[[Any], Any], l
     return outer, before, here
 
 
-def _word(orbit: PeriodicOrbit) -> str:
+@singledispatch
+def _word(orbit: Any) -> str:
     """The name of the motion: its pattern if rest is exact, else its type, which depends on thresholds; and the parts that it touches."""
     return _pattern_of(orbit) + _touched(orbit)
 
 
+@_word.register(FlowOrbit)
+def _(orbit: FlowOrbit) -> str:
+    """Of a flow its switches."""
+    return f"{len(orbit.events)} switches to {', '.join(map(str, orbit.pattern))}" if orbit.events else "no switch"
+
+
 def _touched(orbit: PeriodicOrbit) -> str:
     """How often in the motion each stop is hit, or begins to be pressed, and each contact takes off: ", inner-body hit twice"."""
-    if not adapter_of(orbit.model).has_bodies:
-        return ""
     run = orbit.run
     end = float(run.pieces.t[-1])
     counts = Counter(f"{event.part} {_TOUCHES[event.kind]}" for event in run.events if event.kind in _TOUCHES)
@@ -249,8 +253,6 @@ def _touched(orbit: PeriodicOrbit) -> str:
 
 def _pattern_of(orbit: PeriodicOrbit) -> str:
     """Of a machine of several bodies the patterns of all contacts; where laws never rest exactly its reversals say all that is sharp."""
-    if not adapter_of(orbit.model).has_bodies:
-        return f"{len(orbit.events)} switches to {', '.join(map(str, orbit.pattern))}" if orbit.events else "no switch"
     if machine_of(orbit.model).names_parts:
         return "" if _is_dynamic(orbit) else _BETWEEN.join(orbit.patterns.values())
     return orbit.type if _is_dynamic(orbit) else orbit.pattern
@@ -270,23 +272,25 @@ def _said_of_reversals(before: int, after: int, orbit: PeriodicOrbit) -> str:
 
 
 def _said_of_words(before: str, after: str, orbit: PeriodicOrbit) -> str:
-    m = orbit.motion if adapter_of(orbit.model).has_bodies and orbit.model.period is not None else None
+    m = orbit.motion if isinstance(orbit, PeriodicOrbit) else None
     if isinstance(m, Motion) and m.slip_ratio is not None:
         return f"type {before} becomes {after} by the thresholds slip_ratio = {m.slip_ratio:g}, dwell = {m.dwell:g}"
     return f"pattern {before} becomes {after}"
 
 
-def _kind_of_switches(before: str, after: str) -> str:
-    """More or fewer switches among the same modes begin where a guard is touched; of a flow any other change is a border of types."""
-    modes = [set(word.partition(" to ")[2].split(", ")) - {""} for word in (before, after)]
-    return "grazing" if modes[0] <= modes[1] or modes[1] <= modes[0] else "type-border"
-
-
-def _kind_of_change(before: str, after: str) -> str:
+@singledispatch
+def _kind_of_change(orbit: Any, before: str, after: str) -> str:
     """A slide that is cut in two where its velocity touches zero is a grazing; any other change is a border of types."""
     before, after = before.partition(_COUNTED)[0], after.partition(_COUNTED)[0]
     changed = [(a, b) for a, b in zip(before.split(_BETWEEN), after.split(_BETWEEN), strict=True) if a != b]
     return "grazing" if all(_is_grazing(a, b) for a, b in changed) else "type-border"
+
+
+@_kind_of_change.register(FlowOrbit)
+def _(orbit: FlowOrbit, before: str, after: str) -> str:
+    """More or fewer switches among the same modes begin where a guard is touched; of a flow any other change is a border of types."""
+    modes = [set(word.partition(" to ")[2].split(", ")) - {""} for word in (before, after)]
+    return "grazing" if modes[0] <= modes[1] or modes[1] <= modes[0] else "type-border"
 
 
 def _is_grazing(before: str, after: str) -> bool:

@@ -11,7 +11,6 @@ from stickslip.dynamics.continuation.following.cycle_paths import inverse_parabo
 from stickslip.dynamics.continuation.following.pseudo_arclength import Path, Point
 from stickslip.dynamics.continuation.special_points.near_grazings import touches
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.model_adapter import adapter_of
 
 if TYPE_CHECKING:
     from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
@@ -26,8 +25,7 @@ _NEAR_BY = 1e-4  # of the range: how near to where it is zero it is read then
 
 def grazed(orbit: PeriodicOrbit) -> str:
     """Name of what a motion grazes, by a hit without speed or by missing it by nothing; "" where there is none."""
-    slow = _slow_hit(orbit) if adapter_of(orbit.model).has_bodies else ""
-    return slow or next((name for name, (least, size) in _missed_by(orbit).items() if abs(least) < _NEAR * size), "")
+    return _slow_hit(orbit) or next((name for name, (least, size) in _missed_by(orbit).items() if abs(least) < _NEAR * size), "")
 
 
 def _missed_by(orbit: Any) -> dict[str, tuple[float, float]]:
@@ -75,6 +73,8 @@ def _least_at(path: Path, last: Point, value: float) -> dict[str, float]:
 
 
 def _slow_hit(orbit: PeriodicOrbit) -> str:
+    if not any(event.kind == "hit" for event in orbit.run.events):
+        return ""
     machine, run = machine_of(orbit.model), orbit.run.with_axes
     speed = float(machine.velocity_scale)
     slow = [event.part for event in run.events if event.kind == "hit" and abs(event.velocity) < _SLOW * speed]
