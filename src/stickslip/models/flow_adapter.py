@@ -72,6 +72,11 @@ class FlowAdapter:
         why = "a flow has no direction in space: which of its states change their sign is not known"
         raise InputError("mirrored", [f"{why}; write the flow of the states with their signs changed"])
 
+    @property
+    def part_names(self) -> dict[str, tuple[str, ...]]:
+        """Names for the dimensions that its columns have: none."""
+        return {}
+
     @cached_property
     def laws(self) -> tuple[LawAdapter, ...]:
         """The laws of its contacts, of the first case where there are several."""

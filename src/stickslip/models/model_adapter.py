@@ -22,6 +22,10 @@ class ModelAdapter(Protocol):
         """Whether it has bodies; a flow has states of its own instead."""
 
     @property
+    def part_names(self) -> dict[str, tuple[str, ...]]:
+        """Names of bodies, contacts and stops, for the dimensions that its columns have."""
+
+    @property
     def laws(self) -> tuple[Any, ...]:
         """The laws of its contacts."""
 

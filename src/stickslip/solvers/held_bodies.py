@@ -68,6 +68,10 @@ class BodiesCase(ABC):
         """Forces may change without a look at the rest of the machine."""
         return number.startswith(FORCE)
 
+    def knows(self, memory: Any) -> bool:
+        """What laws remember is any whole number."""
+        return True
+
     @property
     def unit(self) -> float | None:
         """Its time scale [s]."""

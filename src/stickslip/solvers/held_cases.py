@@ -72,6 +72,9 @@ class HeldCase(Protocol):
     def is_quick(self, number: str) -> bool:
         """Whether a number may change without a look at the rest of the machine."""
 
+    def knows(self, memory: Any) -> bool:
+        """Whether what is remembered, as of a file, may stand there."""
+
     def column(self, number: str) -> int | None:
         """Where such a number stands in a row; None where it does not yet."""
 

@@ -84,6 +84,10 @@ class FlowCase:
         """A flow's numbers may be any, so that each changes alone."""
         return number in self._names
 
+    def knows(self, memory: Any) -> bool:
+        """The first is the number of its mode."""
+        return 1 <= round(float(memory[0])) <= len(self.machine.modes)
+
     def column(self, number: str) -> int | None:
         """Where a number stands in a row."""
         return self._names.index(number)

@@ -242,7 +242,7 @@ class SwitchedSteps:
 
     def accepts(self, model: Model) -> str | None:
         """What declares fields and switches."""
-        return "it is for flows that switch" if adapter_of(model).has_bodies else None
+        return None
 
     def run(self, todo: Request) -> Trajectory | Summary:
         """Case by case."""

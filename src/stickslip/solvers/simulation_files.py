@@ -17,7 +17,6 @@ from stickslip.basics.errors import InputError, as_path
 from stickslip.basics.jsontext import as_plain
 from stickslip.basics.unpacking import Allowance
 from stickslip.basics.whole_files import unwritable, write_whole
-from stickslip.models.model_adapter import adapter_of
 from stickslip.results.storage import from_text
 from stickslip.solvers.moments import Moment, first_moment, put, standing_of
 from stickslip.solvers.request import versions
@@ -50,13 +49,11 @@ def save(sim: Simulation, path: str | Path) -> Path:
 def _machine_table(sim: Simulation) -> dict[str, Any]:
     """The machine as text, where a file can hold it, and by what it is known again."""
     machine = sim.machine
-    text = None
-    if adapter_of(machine).has_bodies:
-        try:
-            text = machine.to_toml()
-            text = text if from_text(text) == machine else None
-        except Exception:  # whatever a law or a machine of a user's own says: then it is given where the file is read
-            text = None
+    try:
+        text = machine.to_toml()
+        text = text if from_text(text) == machine else None
+    except Exception:  # what a flow, or a law or a machine of a user's own says: then it is given where the file is read
+        text = None
     return {"class": type(machine).__name__, "toml": text, "made_with": sim.made_with}
 
 
@@ -165,7 +162,7 @@ def _moment(table: dict[str, Any], case: Any) -> Moment:
         side.take(_numbers(table["lane"], len(side.numbers())), row)
     else:  # that of another version: it goes on from the state
         side.begin_from(float(way[0]), states, memory, row, t)
-    if not adapter_of(case.machine).has_bodies and not 1 <= round(float(side.memory[0])) <= len(case.machine.modes):
+    if not case.knows(side.memory):
         raise ValueError("its mode is not one of the flow")
     side.stand(periods, time)
     status = int(table["status"])

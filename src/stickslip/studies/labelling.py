@@ -94,7 +94,7 @@ def attributes_of(plan: Plan) -> dict[str, Any]:
 
 def _units_of(plan: Plan) -> dict[str, str]:
     """The units of columns for machines of which something turns, of each part in its order if they differ; empty for others."""
-    parts = {} if plan.sample is None or plan.of_flow else machine_of(plan.sample).part_names
+    parts = plan.parts
     units = {name: unit for name in COLUMNS if (unit := _unit_of(name, plan.sample, parts)) != VARIABLES[name].unit}
     return {"units": json.dumps(units)} if units else {}
 

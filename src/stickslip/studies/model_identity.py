@@ -21,12 +21,11 @@ from stickslip.basics.fields import leaves
 from stickslip.basics.fingerprints import Fingerprint, fingerprint
 from stickslip.engine.equation_identity import equation_hash
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.model_adapter import adapter_of
 from stickslip.models.observables import by_time_of_computation as parted_observables
 from stickslip.solvers.methods import SLOW
 from stickslip.solvers.plain.composed_flows import composed
 from stickslip.studies.models_of_points import Group, Made, groups_of_points, split_by_tile, starts_at
-from stickslip.studies.space import Column, Space
+from stickslip.studies.space import Column, Space, names_states
 
 if TYPE_CHECKING:
     from stickslip.models.switching_flow import SwitchingFlow
@@ -153,7 +152,7 @@ class ModelIdentities:
 
     def _identified(self, model: Model, others: list[tuple[str, Any]], content: Fingerprint) -> tuple[str, bool]:
         """The same, from the equations if they can be traced."""
-        if (traced := self._traced(model) if adapter_of(model).has_bodies else None) is not None:
+        if (traced := self._traced(model)) is not None:
             return f"equations {traced} {fingerprint([(name, value) for name, value in others if _is_data(value)]).digest}", True
         self.unchecked.update(dict.fromkeys(content.unchecked))
         return f"code {content.digest}", False
@@ -168,6 +167,8 @@ class ModelIdentities:
 
     def _traced(self, model: Model) -> str | None:
         observe = () if self.plan.options["method"] in SLOW else tuple(parted_observables(self.plan.options.get("observe"))[0].items())
+        if names_states(model):
+            return None
         try:
             if not all(law.compiles for law in machine_of(model).laws):
                 return None
@@ -190,7 +191,7 @@ def _table(group: Group) -> tuple[tuple[str, ...], Array]:
 
 def _initial(model: Model) -> dict[str, Any]:
     """Initial inner states that the laws give, where they can be computed for all models together."""
-    if not adapter_of(model).has_bodies:
+    if names_states(model):
         return {}
     try:
         mechanics = machine_of(model).mechanics
@@ -238,7 +239,7 @@ def _plain_values(model: Any) -> list[str]:
     values: list[str] = []
     try:
         model = cases_of(model)[0]
-        if not adapter_of(model).has_bodies:
+        if names_states(model):
             return _values_of_flow(model)
         machine = machine_of(model)
         for law in machine.laws:

@@ -117,12 +117,12 @@ class Plan:
     @cached_property
     def parts(self) -> dict[str, tuple[str, ...]]:
         """Names of the bodies, contacts and stops of the first machine by dimension; empty for one body on one contact."""
-        return {} if self.sample is None or self.of_flow else machine_of(self.sample).part_names
+        return {} if self.sample is None else adapter_of(self.sample).part_names
 
     @property
     def of_flow(self) -> bool:
         """Whether its models have states of their own instead of bodies."""
-        return self.sample is not None and not adapter_of(self.sample).has_bodies
+        return self.sample is not None and names_states(self.sample)
 
     @cached_property
     def own(self) -> tuple[str, ...]:

@@ -34,6 +34,7 @@ from stickslip.studies.models_of_points import Group, groups_of_points, starts_a
 from stickslip.studies.planning import Plan, settings_of
 from stickslip.studies.result_columns import COLUMNS, END, concatenated, empty, flattened, with_missing_cases
 from stickslip.studies.self_excited import OF_CYCLES, motion_columns, settled_after
+from stickslip.studies.space import names_states
 
 ALPHAS = ("alpha_plus", "alpha_minus")
 #: Columns that exist only for machines of one body on one contact.
@@ -88,7 +89,7 @@ def _solved_groups(
                 tell(before + count)
 
         columns = columns_of_group(group, plan.options, workers, begun, notes)
-        if plan.of_flow or machine_of(group.robot).part_names == plan.parts:
+        if adapter_of(group.robot).part_names == plan.parts:
             return columns
         notes[_OTHER_PARTS] += len(group.at)
         whole = {name for name in COLUMNS if not VARIABLES[name].dims} | set(plan.observed)
@@ -186,7 +187,7 @@ def columns_of(
     Notes on the cases are counted in `notes`.
     """
     count = max([1, *shape_of(robot), *(len(v) for v in start.values() if np.ndim(v))])
-    if not adapter_of(robot).has_bodies:
+    if names_states(robot):
         return columns_of_flows(robot, start, options, workers, count)
     if not shape_of(robot) and any(np.ndim(v) for v in start.values()):  # one robot from several initial states
         robot = replace_leaf(robot, {name: np.full(count, value) for name, value in leaves(robot)})

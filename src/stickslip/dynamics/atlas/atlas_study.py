@@ -15,11 +15,11 @@ from stickslip.basics.jsontext import as_plain
 from stickslip.dynamics.atlas.borders_followed import Border, BordersOfBranch, FollowedBranch, PointOfBorder
 from stickslip.dynamics.atlas.motions_on_the_grid import Look, MotionThere, PointOfGrid
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
-from stickslip.models.model_adapter import adapter_of
 from stickslip.studies.folder import COMMAND, MANIFEST, check_new, make_study_folder, put_file
 from stickslip.studies.manifest import differences, digest, identity, unchecked
 from stickslip.studies.model_identity import ModelIdentities
 from stickslip.studies.planning import SOLVER, Plan, planned
+from stickslip.studies.space import names_states
 
 T = TypeVar("T")
 _FORMAT = 4  # 4 has the identities of the models with each result
@@ -43,7 +43,7 @@ class AtlasStudy:
     def __init__(self, path: str | Path | None, plane: Plane, look: Look, resume: bool = False):
         self.folder = None if path is None else Path(path).expanduser()
         self._planes = [plane]
-        if self.folder is not None and not adapter_of(plane.sample).has_bodies:
+        if self.folder is not None and names_states(plane.sample):
             raise InputError(
                 "atlas", ["out is not known of a flow, whose functions no file holds; leave it out: the atlas is kept in memory"]
             )

@@ -14,7 +14,6 @@ from stickslip.basics.errors import InputError
 from stickslip.dynamics.continuation.branches import Branch
 from stickslip.dynamics.stroboscopic.strobe_maps import strobe_states
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.model_adapter import adapter_of
 from stickslip.models.rounding import without_rounding
 from stickslip.show.figures.special_kinds import marker_of, name_once
 from stickslip.show.figures.style import (
@@ -125,9 +124,7 @@ def _usual(branch: Any, diagram: Any, cycles: bool) -> str:
     """The default observable; with a diagram, one that branch and diagram have in common."""
     first = branch.orbits[0]
     parts = [n for n in first.names if n.startswith("v.")] if diagram is not None else []
-    known = (
-        ["amplitude", "duration"] if cycles else [*(("v", *parts) if adapter_of(first.model).has_bodies else first.names), "mean_velocity"]
-    )
+    known = ["amplitude", "duration"] if cycles else [*(first.names if "pattern" in first.words else ("v", *parts)), "mean_velocity"]
     shared = [name for name in known if name in branch.points and (diagram is None or name in diagram)]
     return shared[0] if shared else next((name for name in known if name in branch.points), "mean_velocity")
 
@@ -202,9 +199,7 @@ def _jumps(branch: Any) -> Array:
     """
     x, span = branch.values, float(np.ptp(branch.values)) or 1.0
     loose = [s.value for s in branch.special if s.kind == "type-border" and s.accuracy > _LOOSE * span]
-    model = branch.orbits[0].model
-    of_parts = adapter_of(model).has_bodies and machine_of(model).names_parts  # of each contact one
-    patterns = [str(orbit.patterns if of_parts else orbit.pattern) for orbit in branch.orbits] if loose else [""] * len(x)
+    patterns = [str(orbit.words.get("patterns", orbit.pattern)) for orbit in branch.orbits] if loose else [""] * len(x)
     between = [any(min(a, b) - _LOOSE * span <= value <= max(a, b) + _LOOSE * span for value in loose) for a, b in pairwise(x)]
     return np.array([False, *(near and a != b for near, (a, b) in zip(between, pairwise(patterns), strict=True))])
 

@@ -21,7 +21,6 @@ from stickslip.dynamics.continuation.special_points.own_events import Event, num
 from stickslip.dynamics.flows.flow_orbits import FlowOrbit
 from stickslip.dynamics.periodic.newton import root_between
 from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
-from stickslip.models.machine_adapter import machine_of
 from stickslip.models.model_adapter import adapter_of
 
 _AT_A_FOLD = 0.05  # how near to 1 a multiplier must be: a direction that turns without one is rounding where a branch ends
@@ -253,7 +252,7 @@ def _touched(orbit: PeriodicOrbit) -> str:
 
 def _pattern_of(orbit: PeriodicOrbit) -> str:
     """Of a machine of several bodies the patterns of all contacts; where laws never rest exactly its reversals say all that is sharp."""
-    if machine_of(orbit.model).names_parts:
+    if "patterns" in orbit.words:
         return "" if _is_dynamic(orbit) else _BETWEEN.join(orbit.patterns.values())
     return orbit.type if _is_dynamic(orbit) else orbit.pattern
 
