@@ -16,7 +16,7 @@ import pytest
 from rows import each_row
 from stickslip.engine import cache, emit, expressions
 from stickslip.engine.instructions import DOUBLE, VOID, Builder, Function, Module, function_type
-from stickslip.engine.kernel_text import KernelSource
+from stickslip.engine.kernel_text import KernelSource, StepLines
 from stickslip.engine.rosenbrock_step import Step
 from stickslip.engine.steptext import Layout, step_text
 
@@ -211,7 +211,7 @@ def test_a_line_that_cannot_be_written_is_named(line):
     function = Function(Module(), function_type(VOID, (DOUBLE.as_pointer(),)), "f")
     builder = Builder(function.append_basic_block())
     with pytest.raises(TypeError, match="in a line of a step"):
-        emit.write(builder, function.args[0], 4, 4, 4, {}, {}, {}, line, {})
+        emit.write(builder, function.args[0], StepLines(line, 4, 4, 4, {}, {}, {}), {})
 
 
 def test_a_line_that_asks_for_what_no_lane_holds_is_refused():

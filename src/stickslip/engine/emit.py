@@ -154,28 +154,28 @@ class _Vector(Expressions):
         return self.refuse(node) if x.type == self.truth else super().as_real(node, x)
 
 
-def write(builder: Any, data: Any, lanes: int, group: int, width: int, numbers: Any, reads: Any, rows: Any, text: str, keeps: Any) -> None:
+def write(builder: Any, data: Any, step: Any, numbers: Any) -> None:
     """Read fields, write all lines, keep fields: a function for a group of lanes, called for each group in turn.
 
-    Each line is written for all vectors of `width` lanes of a group: their chains of operations hide each other's latency. `numbers` are
-    the same for all lanes; `reads`, `rows` and `keeps` say where the field of a name begins.
+    Each line of the step is written for all vectors of `step.width` lanes of a group: their chains of operations hide each other's latency.
+    `numbers` are the same for all lanes.
     """
     given = list(numbers.values())
     function = _function(builder.module, [data.type, *(number.type for number in given)])
     own = Builder(function.append_basic_block())
     changed = _Changes()
-    vectors = [_Vector(own, function.args[0], first, width, lanes, changed) for first in range(0, group, width)]
+    vectors = [_Vector(own, function.args[0], first, step.width, step.lanes, changed) for first in range(0, step.group, step.width)]
     for vector in vectors:
         vector.known |= {name: vector.spread(number) for name, number in zip(numbers, function.args[1:], strict=True)}
-        vector.unread |= reads
-        for name, at in rows.items():
+        vector.unread |= step.reads
+        for name, at in step.rows.items():
             vector.held_row(name, at)
-    _write_all(own, vectors, ast.parse(text).body)
+    _write_all(own, vectors, ast.parse(step.lines).body)
     for vector in vectors:
-        for name, at in keeps.items():
+        for name, at in step.writes.items():
             vector.keep(name, at)
     own.ret_void()
-    for first in range(0, lanes, group):
+    for first in range(0, step.lanes, step.group):
         builder.call(function, [builder.gep(data, Constant(INT64, first)), *given])
 
 

@@ -141,7 +141,7 @@ def instructions(source: KernelSource) -> str:
         def write_step(builder: Any, args: list[Any]) -> None:
             S, rtol, budget = args
             numbers = {"rtol": rtol, "budget": budget}
-            write(builder, S.data, step.lanes, step.group, step.width, numbers, step.reads, step.rows, step.lines, step.writes)
+            write(builder, S.data, step, numbers)
 
         writers["step"] = write_step
     write_functions(module, source.entries, source.text, writers)

@@ -11,7 +11,6 @@ from stickslip.basics.batch import cases_of, numbers_by_name
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.fields import are_single, replace_leaf
 from stickslip.engine import lanes, trace
-from stickslip.engine.tangent import part_in
 from stickslip.models.machine_adapter import MachineAdapter, machine_of
 
 
@@ -27,12 +26,10 @@ class CaseTable:
         Positions, velocities, inner states and memories, each in the order of coordinates and contacts.
     span : array
         Length of a period [s], one for all or one for each case.
-    along : dict of arrays (cases,), optional
-        Parts of a direction in the model's numbers, for the kernel of a tangent (see `stickslip.engine.tangent`).
     which : slice, optional
         The cases of the model that `start` and `span` are of: a large batch is made into tables part by part.
     more : dict of arrays (cases,), optional
-        Numbers of the kernel that are none of the model.
+        Numbers of the kernel that are none of the model, such as parts of a direction (`part_in` of `stickslip.engine.tangent`).
     machine : MachineAdapter, optional
         The model's adapter, where it is at hand.
     own : dict, optional
@@ -45,7 +42,6 @@ class CaseTable:
         kernel: lanes.Kernel,
         start: Array,
         span: Any,
-        along: dict[str, Array] | None = None,
         which: slice = slice(None),
         more: dict[str, Array] | None = None,
         machine: MachineAdapter | None = None,
@@ -56,7 +52,7 @@ class CaseTable:
         flat = machine if are_single(own.values()) else machine_of(replace_leaf(model, own))
         self.model, self.which = model, which
         self.span = np.broadcast_to(span, (cases,))
-        known = {trace.SPAN: self.span} | (more or {}) | {part_in(name): part for name, part in (along or {}).items()} | own
+        known = {trace.SPAN: self.span} | (more or {}) | own
         self.rows = np.empty((cases, len(kernel.names)))
         for column, name in enumerate(kernel.names):
             self.rows[:, column] = known.get(name, 0.0)

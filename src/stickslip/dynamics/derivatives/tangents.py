@@ -19,7 +19,7 @@ from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates
 from stickslip.engine import lanes
 from stickslip.engine.kinds import check_functions, kind_of
 from stickslip.engine.remembered import Remembered
-from stickslip.engine.tangent import has_corners, means_of, tangent
+from stickslip.engine.tangent import has_corners, means_of, part_in, tangent
 from stickslip.engine.trace import trace
 from stickslip.models.model_adapter import adapter_of
 
@@ -154,7 +154,8 @@ class Follower:
         from stickslip.solvers.lane_tables import CaseTable
 
         width = 2 * len(self.kernel.owners) + self.at.order.all_inner + self.at.memories
-        return CaseTable(self.model, self.kernel, np.zeros((self.slopes.cases, width)), self.span, self.given, more=self.more)
+        more = {**(self.more or {}), **{part_in(name): part for name, part in self.given.items()}}
+        return CaseTable(self.model, self.kernel, np.zeros((self.slopes.cases, width)), self.span, more=more)
 
     @cached_property
     def carried(self) -> _Carried:

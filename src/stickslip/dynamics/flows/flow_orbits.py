@@ -19,6 +19,7 @@ from stickslip.dynamics.periodic.closed_orbits import Repeating, multipliers_of
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.normal_loads import normal_load
 from stickslip.models.switching_flow import Switch, SwitchingFlow
+from stickslip.solvers.flow_engine import FlowStart
 from stickslip.solvers.plain.composed_flows import composed, mode_of_state, mode_of_strobe_state
 from stickslip.solvers.plain.user_functions import value_and_slopes
 
@@ -199,7 +200,8 @@ def flow_orbit(
     (1.886, True)
     """
     _check_asked(flow, periods, duration, settle, most)
-    y = started(flow, state, mode, 1.0 if duration is None else duration, 0.0, rtol, None, "flow_orbit", method)
+    begun = FlowStart(state, mode)  # type: ignore[arg-type]
+    y = started(flow, begun, 1.0 if duration is None else duration, rtol, what="flow_orbit", method=method)
     T = periods * float(flow.period or duration or 0.0)
     how: dict[str, Any] = {"rtol": rtol, "method": method}
     mode = mode_of_state(flow, y, mode=mode)

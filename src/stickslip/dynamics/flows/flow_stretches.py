@@ -109,7 +109,7 @@ def passage(
     >>> round(float(half.state[0]), 12), round(float(half.monodromy[0, 0]), 12), round(half.time, 12)
     (0.5, 0.5, 0.69314718056)
     """
-    y = started(flow, state, mode, duration, begin, rtol, switches, method=method)
+    y = started(flow, FlowStart(state, mode, begin), duration, rtol, switches, method=method)  # type: ignore[arg-type]
     why = unknown(flow, len(y)) if method != "dop853" else ""
     if method == "exact" and why:
         raise InputError("passage", [f'method = "exact" cannot follow the flow: {why}; type method="auto"'])
@@ -130,10 +130,10 @@ def needs_flow(what: str, value: Any, mistake: str) -> None:
 
 
 def started(
-    flow: Any, state: Any, mode: Any, duration: Any, begin: Any, rtol: Any, switches: Any, what: str = "passage", method: Any = "auto"
+    flow: Any, start: FlowStart, duration: Any, rtol: Any, switches: Any = None, what: str = "passage", method: Any = "auto"
 ) -> Array:
     """The state at the start; an error that says everything that is wrong with what was given."""
-    problems = Problems(what)
+    problems, (state, mode, begin) = Problems(what), start
     needs_flow(what, flow, f"{flow!r} is not a flow; allowed is a SwitchingFlow")
     y = np.atleast_1d(np.array(floats(state)))
     if y.ndim != 1 or not len(y) or not np.isfinite(y).all():

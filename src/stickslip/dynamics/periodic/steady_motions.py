@@ -16,7 +16,15 @@ from stickslip.basics.batch import labels_of, some_of, spread_over_cases
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.derivatives.tangents import Directions, Follower
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, as_it_ends, has_arcs, refuse_chance, run_lanes, state_at_rest
+from stickslip.dynamics.stroboscopic.strobe_maps import (
+    Coordinates,
+    as_it_ends,
+    check_equations,
+    has_arcs,
+    refuse_chance,
+    run_lanes,
+    state_at_rest,
+)  # fmt: skip
 from stickslip.engine.tangent import tangent, tangent_of_means
 from stickslip.models.machine_adapter import machine_of
 
@@ -74,6 +82,7 @@ def motions_from_rest(model: Model, at: Coordinates, cases: int = 1, periods: in
         raw = solve_batch(model, periods, "auto")
         return SteadyMotions(raw["v_end"][:, None], raw["period"], raw["displacement"] / (raw["window"] * T), raw["status"], False)
     start = np.broadcast_to(state_at_rest(model, at), (cases, len(at.names)))
+    check_equations(model)
     results, table, end = run_lanes(model, start, periods, rtol, auto=True, at=at)
     with np.errstate(invalid="ignore", divide="ignore"):
         return SteadyMotions(end, results.period, results.displacement / (results.window * T) + table.carried, results.status)

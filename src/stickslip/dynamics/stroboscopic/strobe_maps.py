@@ -130,6 +130,7 @@ class Coordinates:
         if not all(law.compiles for law in machine_of(model).laws):
             name, why = type(model.friction).__name__, "it cannot be compiled, and cycles are looked for by the compiled solvers"
             raise InputError(name, [f"{why}; take another law"])
+        check_equations(model)
         return _ended(model, *run_lanes(model, states, 1, rtol, duration), 1)
 
     has_phase = True  # whether a start may be given with the phase of the drive
@@ -408,7 +409,7 @@ def strobe_map(
     """
     states = np.atleast_2d(np.asarray(states, float))
     if stepped:
-        return _ended(model, *run_lanes(model, states, periods, rtol, at=at, known=True), periods)
+        return _ended(model, *run_lanes(model, states, periods, rtol, at=at), periods)
     return _map_of(model, rtol, at)(states, periods)
 
 
@@ -427,7 +428,9 @@ def _map_by_lanes(model: Model, rtol: float, at: Coordinates) -> Callable[[Array
 
     def mapped(states: Array, periods: int) -> Ends:
         nonlocal table
-        results, table, end = run_lanes(model, states, periods, rtol, at=at, known=table is not None, table=table)
+        if table is None:
+            check_equations(model)
+        results, table, end = run_lanes(model, states, periods, rtol, at=at, table=table)
         return _ended(model, results, table, end, periods)
 
     return mapped
@@ -477,25 +480,29 @@ def _ended(model: Model, results: Any, table: Any, end: Array, periods: int) -> 
     )
 
 
+def check_equations(model: Model) -> None:
+    """`InputError` for functions that a kernel would not know, and for equations that do not come back after the period."""
+    from stickslip.engine.kinds import check_functions
+    from stickslip.solvers.time_dependence import check_period
+
+    check_functions(model)
+    check_period(model)
+
+
 def run_lanes(
     model: Model, states: Array, periods: int, rtol: float, span: Any = None, auto: bool = False, at: Coordinates | None = None,
-    known: bool = False, table: Any = None,
+    table: Any = None,
 ) -> tuple[Any, Any, Array]:  # fmt: skip
     """Results of lanes for runs from some states, the table of their cases, and the final states; with `auto` of settled runs.
 
-    Where it is not `known`, they are asked whether their equations come back after the period. `table`: of earlier runs of the same cases.
+    `table`: of earlier runs of the same cases. Who asks for the first checks the equations before.
     """
     from stickslip.engine import lanes
-    from stickslip.engine.kinds import check_functions
     from stickslip.solvers.lane_tables import CaseTable
     from stickslip.solvers.stepping import BUDGET, budget_of
-    from stickslip.solvers.time_dependence import check_period
 
     at, cases = coordinates(model) if at is None else at, len(states)
     order, (tableau, tolerance) = at.order, _steps(model, rtol)
-    if not known:
-        check_functions(model)
-        check_period(model)
     kernel = lanes.kernel_of(model, tableau, record=auto and cases == 1)
     q, u, z = order.split(list(states.T[: at.smooth]), np.zeros(cases))
     span = (0.0 if model.period is None else spread_over_cases(model.period, labels_of(model))) if span is None else span

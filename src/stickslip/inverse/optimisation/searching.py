@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -33,27 +33,49 @@ def search(worth: Candidates, starts: Array, seed: int, generations: int, popula
     """
     rng = np.random.default_rng(seed)
     n = worth.space.count
-    _evolve(worth, np.zeros(n), np.ones(n), starts, rng, generations, population, _NEAR, _ROAMS)
+    _evolve(worth, Bounds(np.zeros(n), np.ones(n)), starts, rng, Pace(generations, population, _NEAR, _ROAMS))
     if worth.best is None:
         return
     if climbing:
         _climb(worth)
     for half in _AROUND:
         before = worth.least
-        low, high = np.clip(worth.best - half, 0.0, 1.0), np.clip(worth.best + half, 0.0, 1.0)
-        _evolve(worth, low, high, worth.best[None], rng, generations // 5, population, _SETTLED, 0.0)
+        around = Bounds(np.clip(worth.best - half, 0.0, 1.0), np.clip(worth.best + half, 0.0, 1.0))
+        _evolve(worth, around, worth.best[None], rng, Pace(generations // 5, population, _SETTLED, 0.0))
         if climbing and before - worth.least > _GAIN * abs(worth.least):
             _climb(worth)
 
 
-def _evolve(
-    worth: Candidates, low: Array, high: Array, starts: Array, rng: Any, generations: int, population: int, settled: float, roams: float
-) -> None:
-    """Differential evolution (Storn and Price 1997), a batch for each generation.
+class Bounds(NamedTuple):
+    """Where candidates are looked for, of each unknown."""
 
-    Candidates are drawn to the best one, over the part `roams` of the generations ever more: drawn from the first, all may gather at an
-    optimum that is wide and low before a narrow high one is met.
+    low: Array
+    high: Array
+
+    def within(self, y: Array, rng: Any) -> Array:
+        """Puts values beyond a bound on it or, as often, somewhere between the bounds."""
+        low, high = self
+        anywhere, on = low + (high - low) * rng.random(y.shape), rng.random(y.shape) < 0.5
+        return np.where((y < low) | (y > high), np.where(on, np.clip(y, low, high), anywhere), y)
+
+
+class Pace(NamedTuple):
+    """How long it is looked for, in generations of so many candidates.
+
+    `settled`: how near to each other their values are when they have arrived, of the best. `roams`: the part of the generations over which
+    candidates are drawn to the best one ever more; drawn from the first, all may gather at an optimum that is wide and low before a narrow
+    high one is met.
     """
+
+    generations: int
+    population: int
+    settled: float
+    roams: float
+
+
+def _evolve(worth: Candidates, bounds: Bounds, starts: Array, rng: Any, pace: Pace) -> None:
+    """Differential evolution (Storn and Price 1997), a batch for each generation."""
+    (low, high), (generations, population, settled, roams) = bounds, pace
     n = len(low)
     x = low + (high - low) * (np.argsort(rng.random((population, n)), axis=0) + rng.random((population, n))) / population
     x[: len(starts)] = starts[:population]
@@ -65,18 +87,12 @@ def _evolve(
         pull = rng.uniform(0.0, 1.0 if k >= roams * generations else k / (roams * generations), (population, 1))
         y = a + pull * (first - a) + F * (b - c)
         keep = (rng.random((population, n)) > CR) & (np.arange(n) != rng.integers(n, size=(population, 1)))
-        y = _within(low, high, np.where(keep, x, y), rng)
+        y = bounds.within(np.where(keep, x, y), rng)
         g = worth(y)
         better = g <= f
         x[better], f[better] = y[better], g[better]
         if (f.max() - f.min() <= settled * abs(f.min()) and f.min() < 0.0) or np.ptp(x, axis=0).max() < 1e-12:
             break
-
-
-def _within(low: Array, high: Array, y: Array, rng: Any) -> Array:
-    """Puts values beyond a bound on it or, as often, somewhere between the bounds."""
-    anywhere, on = low + (high - low) * rng.random(y.shape), rng.random(y.shape) < 0.5
-    return np.where((y < low) | (y > high), np.where(on, np.clip(y, low, high), anywhere), y)
 
 
 def _climb(worth: Candidates) -> None:

@@ -69,7 +69,7 @@ def _steps(rows: list[dict[str, Any]]) -> str:
 
 def quasi_periodic(study: ClaimData) -> PaperClaim:
     """Quasi-periodic at mu0 = 0.03."""
-    wide = stable_range("amplitude", 1.25e-3, 3e-4, 1.25e-3, step=0.1, rtol=1e-6, mu0=0.03)
+    wide = stable_range("amplitude", 1.25e-3, 3e-4, 1.25e-3, step=0.1, rtol=1e-6, fixed={"mu0": 0.03})
     ours, judge, ladder = _converged(FIG22), [] if study.fast else _converged(FIG22, "rodas4"), rk4_ladder(study)
     best, finite = ours[-1][1], [r for r in ladder if r["velocity"] is not None]
     wrong = [r for r in finite if abs(r["velocity"] / best - 1) > 0.1]

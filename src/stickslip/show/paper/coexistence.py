@@ -129,7 +129,7 @@ def _range(f0: float, A: Any, start: float, beyond: float) -> Range:
     from stickslip.solvers import solve
 
     low, high = float(A[0]), float(A[-1])
-    how: dict[str, Any] = {"step": 0.05, "points": 30, "rtol": 1e-7, "f0": f0}
+    how: dict[str, Any] = {"step": 0.05, "points": 30, "rtol": 1e-7, "fixed": {"f0": f0}}
     robot = rig(CASES[-1], amplitude=low, f0=f0)
     run = solve(robot, periods=100, start={"v": start * robot.free_velocity})
     slide = stable_range("amplitude", low, low - beyond, low, guess=run, **how)

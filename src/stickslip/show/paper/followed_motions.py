@@ -80,17 +80,20 @@ class Followed:
 
 
 def stable_range(
-    parameter: str, start: float, low: float, high: float, period: int = 1, guess: Any = None, step: float = 0.2, points: int = 100,
-    rtol: float = RTOL, **fixed: Any,
-) -> Followed:  # fmt: skip
-    """Follow the stable motion at `start` down and up, to the first border at which it loses stability, or to the ends of the range."""
+    parameter: str, start: float, low: float, high: float, period: int = 1, fixed: dict[str, Any] | None = None, **how: Any
+) -> Followed:
+    """Follow the stable motion at `start` down and up, to the first border at which it loses stability, or to the ends of the range.
+
+    `fixed` are other numbers of the robot; `how`, such as guess, step, points and rtol, is for `continuation`.
+    """
+    how, fixed = {"step": 0.2, "points": 100, "rtol": RTOL} | how, fixed or {}
     ends: list[End] = []
     sizes: list[float] = []
     for stop in (low, high):
         if stop == start:
             ends.append(End(start, "range", 0.0))
             continue
-        branch = _branch(parameter, start, stop, rtol=rtol, period=period, guess=guess, step=step, points=points, **fixed)
+        branch = _branch(parameter, start, stop, period=period, **how, **fixed)
         end, orbit = _end(branch, stop)
         ends.append(_sharpened(branch, end, orbit, fixed) if end.kind == "half" else end)
         sizes += list(takewhile(lambda size: size < 1, (float(abs(o.multipliers[0])) for o in branch.orbits)))

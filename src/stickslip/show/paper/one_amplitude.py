@@ -131,7 +131,7 @@ class AmplitudeSearch:
 def amplitude_search(fast: bool, tell: Tell) -> AmplitudeSearch:
     """Search the amplitude under both readings of break-away."""
     tell("searching one amplitude for section 5", 0, 3)
-    two = stable_range("amplitude", AMPLITUDE_5, 5e-4, 9e-4, period=2, mu0=0.04)
+    two = stable_range("amplitude", AMPLITUDE_5, 5e-4, 9e-4, period=2, fixed={"mu0": 0.04})
     A = (1e-5 if fast else 2e-6) * np.arange(round(RANGE[0] / (1e-5 if fast else 2e-6)), round(RANGE[1] / (1e-5 if fast else 2e-6)) + 1)
     searches = []
     for i, reading in enumerate((STATED, PRINTED_READING)):
