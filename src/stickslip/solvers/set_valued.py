@@ -210,7 +210,7 @@ def solve_batch(
 
 def _start(shape: tuple[int, ...], start: dict[str, Any] | None) -> tuple[Array, Array]:
     """x and v at t = 0 of every case."""
-    x, v = (np.broadcast_to(np.asarray((start or {}).get(name, 0.0), float), shape).ravel() + 0.0 for name in "xv")
+    x, v = (np.full(shape, (start or {}).get(name, 0.0), float).ravel() + 0.0 for name in "xv")  # minus zero is zero
     return x, v
 
 
@@ -290,5 +290,5 @@ def _recorded(row: Array, periods: int, progress: Progress | None = None, partia
             look()
         elif is_stopped():
             break
-    numbers, arcs, modes = (np.concatenate(part) for part in zip(*recorded, strict=True))
+    numbers, arcs, modes = recorded[0] if len(recorded) == 1 else (np.concatenate(part) for part in zip(*recorded, strict=True))
     return (numbers, arcs.T, modes), n
