@@ -20,9 +20,8 @@ from stickslip.models.machine_adapter import machine_of
 
 def explained(work: Any, model: Model) -> Any:
     """Do some work on a user's law; what goes wrong in it is said as what to write."""
-    laws = machine_of(model).mechanics.laws
-    law_name = type(model).__name__ if machine_of(model).names_parts else laws[0].name
-    for law in laws:
+    law_name = machine_of(model).named_in_errors
+    for law in machine_of(model).laws:
         check_signatures(law.law)
     try:
         return work(model)

@@ -24,7 +24,6 @@ from stickslip.engine.symbols import STATE, Graph, Sym, TraceError
 from stickslip.engine.system import System, TracedSwitch
 from stickslip.engine.values import values_of
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.mechanics import lists_parts
 from stickslip.models.position_dependence import knows_position
 
 _ENDLESS = 1e300  # m: the scale of a position on which nothing depends
@@ -33,15 +32,7 @@ _NO_DRIVE = 1e-12  # m/s: a velocity for steps where the drive is off and the la
 
 def label(model: Model) -> str:
     """The name of a model's kind: ``LuGre × Harmonic``."""
-    drive, track = machine_of(model).drive, machine_of(model).track
-    if machine_of(model).names_parts:
-        laws = [law.name for law in machine_of(model).mechanics.laws]
-        numbered = [str(len(laws))] if laws else []
-        return " × ".join([*dict.fromkeys(laws), type(model if lists_parts(model) else model.drive).__name__, *numbered])
-    parts = [machine_of(model).law_names, type(model).__name__ if drive is None else machine_of(model).drive_name]
-    if track is not None and type(track).__name__ != "Level":
-        parts.append(type(track).__name__)
-    return " × ".join(parts)
+    return machine_of(model).kind_name
 
 
 def trace(model: Model, observe: Observed = (), noted: bool = False) -> System:

@@ -14,7 +14,7 @@ from stickslip.basics.errors import InputError
 from stickslip.models.drives.drive_adapter import drive_of, unlikely
 from stickslip.models.drives.within import drives_within
 from stickslip.models.friction.law_adapter import SWITCHES, LawAdapter
-from stickslip.models.mechanics import Mechanics, OneBody, declares_parts, parts_of
+from stickslip.models.mechanics import Mechanics, OneBody, declares_parts, lists_parts, parts_of
 from stickslip.models.state_layout import of_principal
 
 
@@ -165,6 +165,24 @@ class MachineAdapter:
     def law_names(self) -> str:
         """The names of its laws, each once: "Coulomb + LuGre"."""
         return " + ".join(dict.fromkeys(law.name for law in self.laws))
+
+    @property
+    def kind_name(self) -> str:
+        """The name of its kind: "LuGre × Harmonic", "Coulomb × Chain × 2"."""
+        if self.names_parts:
+            laws = [law.name for law in self.laws]
+            numbered = [str(len(laws))] if laws else []
+            owner = self.model if lists_parts(self.model) else self.model.drive
+            return " × ".join([*dict.fromkeys(laws), type(owner).__name__, *numbered])
+        parts = [self.law_names, type(self.model).__name__ if self.drive is None else self.drive_name]
+        if self.track is not None and type(self.track).__name__ != "Level":
+            parts.append(type(self.track).__name__)
+        return " × ".join(parts)
+
+    @property
+    def named_in_errors(self) -> str:
+        """What an error in its functions is said of: its law, or, of several parts, the machine."""
+        return type(self.model).__name__ if self.names_parts else self.laws[0].name
 
     @cached_property
     def has_inner_states(self) -> bool:

@@ -44,9 +44,7 @@ def needs_model(what: str, model: Model, driven: bool = True, batch: bool = Fals
     driven = driven and not (sections and model.period is None)
     if driven and model.period is None:
         why = f"{type(model).__name__} has no period, so it has no strobe; allowed are models with a periodic drive"
-        cycle = "for its limit cycle type ss.periodic_orbit(mechanism), to follow it ss.continuation"
-        hint = cycle if machine_of(model).one_body is not None else "type ss.solve(machine, duration=...) for its motion from a start"
-        raise InputError(what, [f"{why}; {hint}"])
+        raise InputError(what, [f"{why}; for its limit cycle type ss.periodic_orbit(machine), to follow it ss.continuation"])
     if driven and machine_of(model).one_body is None and _drifts(model):
         kind = type(model).__name__
         raise InputError(what, [f"the equations of {kind} have positions in them, but with these numbers bodies can be shifted together "
