@@ -80,7 +80,10 @@ def _kernel() -> Any:
 
 def dimensionless_rows(arcs: Arcs, v0: Array) -> tuple[Array, Array]:
     """Dimensionless rows of the kernel, and which cases have a drive to measure against."""
-    rows = np.stack([arcs.resist_plus, arcs.resist_minus, arcs.hold_plus, arcs.hold_minus, arcs.along, v0 * arcs.omega], axis=1)
+    rows = np.empty((len(arcs.drive), len(_COLUMNS)))
+    columns = arcs.resist_plus, arcs.resist_minus, arcs.hold_plus, arcs.hold_minus, arcs.along, v0 * arcs.omega
+    for k, column in enumerate(columns):
+        rows[:, k] = column
     driven = arcs.drive > TINY * np.max(abs(rows[:, [0, 1, 2, 3, 5]]), axis=1)
     return rows / np.where(driven, arcs.drive, 1.0)[:, None], driven
 

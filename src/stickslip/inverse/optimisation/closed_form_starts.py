@@ -66,7 +66,7 @@ def _push(model: Any) -> float:
 def _verge(space: Unknowns, count: int) -> Array | None:
     """The unknowns of the verge gait; None where friction is not known, or the limits leave it none."""
     scales = space.scales
-    if count < 3 or scales is None or not np.isfinite(scales.stroke) or machine_of(space.model).one_body is None:
+    if count < 3 or scales is None or not np.isfinite(scales.stroke) or machine_of(space.model).drive is None:
         return None
     try:
         ahead, back = _coefficients(space.model)

@@ -47,7 +47,7 @@ def small_friction_limit(model: Any, limits: list[Limit], forwards: bool = True)
 def _ratio(model: Any) -> tuple[float | None, str]:
     """Friction backwards over forwards; None with the reason where it is not constant, or not alone."""
     machine = machine_of(model)
-    if machine.one_body is None or machine.drive is None or not hasattr(model, "mass_ratio"):
+    if machine.drive is None or not hasattr(model, "mass_ratio"):
         return None, f"no limit is known for a {type(model).__name__}: allowed is a robot of one body with a drive"
     if machine.has_inner_states:
         return None, f"no limit is known for {machine.law_names}: friction depends on more than the direction of sliding"
