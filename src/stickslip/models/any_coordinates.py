@@ -126,7 +126,7 @@ class AnyCoordinates(Mechanics):
         """The period, or what the machine says; None where nobody knows."""
         return self.period if self.period is not None else getattr(self.model, "time_scale", None)
 
-    @property
+    @cached_property
     def velocity_scale(self) -> Any:
         """A typical rate of the coordinates: what the machine says, else what forces, gravity and motions do in a part of the period."""
         own = getattr(self.model, "velocity_scale", None)

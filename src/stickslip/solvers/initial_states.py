@@ -239,7 +239,7 @@ def _check_loads(mechanics: Mechanics, loads: Any, problems: Problems) -> None:
 def _check_inertia(mechanics: Any, q: Array, problems: Problems) -> None:
     """Note a matrix of inertia without an inverse where a run begins, as at places that do not change with a coordinate there."""
     some = q[:_LOOKED]
-    M = np.stack([_columns(row, len(some)) for row in mechanics.matrix(0.0, tuple(some.T))], axis=1)
+    M = np.stack([_columns(row, len(some)) for row in mechanics.matrix(0.0, _numbers(some))], axis=1)
     size = np.prod(np.diagonal(M, axis1=1, axis2=2), axis=1)
     with np.errstate(invalid="ignore"):
         flat = ~(np.linalg.det(M) > _FLAT * size)
