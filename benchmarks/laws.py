@@ -1,4 +1,4 @@
-"""What each law costs: microseconds per drive period and case in a batch, and its ratio to LuGre, in one run on one machine.
+"""What each law, and each contact of a chain, costs: microseconds per drive period and case in a batch, and its ratio to LuGre, in one run.
 
     python benchmarks/laws.py [--cases 512] [--periods 100] [--rtol 1e-4]
 
@@ -15,9 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-import ours
 import stickslip as ss
-from stickslip.maths import exp, where
+from stickslip.maths import exp, pi, where
+from whole import whole
 
 
 @dataclass(frozen=True)
@@ -57,6 +57,7 @@ def laws() -> dict[str, object]:
         "LuGre, a user's own": OwnLuGre(**same, **bristle),
         "elasto-plastic": ss.friction.ElastoPlastic(**same, **bristle, z_ba=0.7 * rig.mu_plus * 0.7 / rig.sigma0),
         "GMS, 4 elements": ss.friction.GMS(**same, sigma0=rig.sigma0, v_s=rig.v_s, attraction=100.0, sigma2=rig.sigma2),
+        "Dahl, exponent 1/2": ss.Dahl(rig.mu_plus, rig.mu_minus, rig.sigma0, exponent=0.5),
         "Dahl": ss.Dahl(rig.mu_plus, rig.mu_minus, rig.sigma0),
         "Coulomb, closed arcs": ss.Coulomb(**same),
         "Coulomb + viscous": ss.CoulombViscous(**same, viscous=rig.sigma2),
@@ -72,19 +73,26 @@ def main() -> None:
     asked = parser.parse_args()
     rig = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=np.linspace(1e-4, 8e-4, asked.cases))
     robots = {name: rig.replace(friction=law, track=ss.Level()) for name, law in laws().items()}
+    contacts = dict.fromkeys(robots, 1)
+    one, spring = robots["LuGre"], ss.Spring(stiffness=1200.0, damping=0.4)
+    for count in (2, 5):
+        for phase in (0.0, 0.4):
+            name = f"{count} modules, {f'{phase} pi apart' if phase else 'in step'}"
+            contacts[name] = count
+            robots[name] = ss.Chain((one,) * count, spring, tuple(phase * pi * i for i in range(count)))
     for robot in robots.values():
         ss.solve(robot, periods=2, rtol=asked.rtol)
     best = {name: [np.inf, np.inf] for name in robots}
     for _ in range(3):
         for name, robot in robots.items():
-            for k, way in enumerate((ours.whole(), nullcontext())):
+            for k, way in enumerate((whole(), nullcontext())):
                 with way:
                     begin = time.process_time()
                     ss.solve(robot, periods=asked.periods, rtol=asked.rtol)
-                    best[name][k] = min(best[name][k], (time.process_time() - begin) / asked.cases / asked.periods * 1e6)
-    print(f"{'law':22s} {'us per period':>13s} {'of LuGre':>9s} {'as users call it':>17s}")
-    for name, (whole, called) in best.items():
-        print(f"{name:22s} {whole:13.2f} {whole / best['LuGre'][0]:9.2f} {called:17.2f}")
+                    best[name][k] = min(best[name][k], (time.process_time() - begin) / asked.cases / asked.periods / contacts[name] * 1e6)
+    print(f"{'law':26s} {'us per period':>13s} {'of LuGre':>9s} {'as users call it':>17s}")
+    for name, (every, called) in best.items():
+        print(f"{name:26s} {every:13.2f} {every / best['LuGre'][0]:9.2f} {called:17.2f}")
 
 
 if __name__ == "__main__":

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
-from functools import cache, partial
+from functools import cache
 from time import process_time
 
 import numpy as np
 
 from problem import OMEGA, Problem
 from rivals.base import Outcome, Rival
+from whole import whole
 
 
 def _solve(problem: Problem, rtol: float) -> np.ndarray:
@@ -35,19 +34,6 @@ def _run(problem: Problem, rtol: float) -> Outcome:
     start = process_time()
     velocities = _solve(problem, rtol)
     return velocities, process_time() - start
-
-
-@contextmanager
-def whole() -> Iterator[None]:
-    """Every period is made, as integrators do it, also of motions that have come back to the same bits."""
-    from stickslip.solvers import stepping
-
-    before = stepping.lanes.Job
-    stepping.lanes.Job = partial(before, whole=True)  # type: ignore[assignment,misc]
-    try:
-        yield
-    finally:
-        stepping.lanes.Job = before  # type: ignore[misc]
 
 
 def _run_whole(problem: Problem, rtol: float) -> Outcome:

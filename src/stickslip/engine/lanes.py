@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass, fields, replace
+from typing import Any, TypeAlias
 
 from stickslip.basics.contracts import Model
 from stickslip.basics.interruption import is_stopped, look
 from stickslip.basics.status import Status
-from stickslip.engine import cache, driver, slaved, taylor
+from stickslip.engine import cache, driver, several_series, slaved, taylor
 from stickslip.engine.kernel_text import FUNCTIONS, KernelSource
 from stickslip.engine.kernels import columns
 from stickslip.engine.kinds import known_kind
@@ -27,6 +27,7 @@ from stickslip.engine.observed import Observed, has_arms, lists_of, looked_at, s
 from stickslip.engine.remembered import Remembered
 from stickslip.engine.rosenbrock_step import Step, write_step
 from stickslip.engine.roundings import sizes_text
+from stickslip.engine.several_series import SeveralSeries
 from stickslip.engine.shared_arrays import Shared, address_of
 from stickslip.engine.slaved import Series
 from stickslip.engine.steptext import Layout, step_text
@@ -47,6 +48,10 @@ PLACES = 64
 _REPEATS, _NOT_COMPUTED = int(Status.REPEATS), int(Status.NOT_COMPUTED)  # as numbers, which arrays take faster
 #: Numbers of the layout that a law's own functions read.
 _NAMED = ("DEGREE", "MASS", "F_C", "F_T", "F_T0", "F_HH", "F_K", "F_Y", "F_B", "F_MODE", "F_CLK")
+
+
+#: What a step is made by; None: Taylor steps of set-valued laws.
+AnySteps: TypeAlias = Tableau | Series | SeveralSeries | None
 
 
 @dataclass(frozen=True)
@@ -129,7 +134,7 @@ _layouts: Remembered[tuple[StateLayout, tuple[int, ...]]] = Remembered()
 
 
 def kernel_of(
-    model: Model, tableau: Tableau | Series | None, record: bool, observe: Observed = (), made: Callable[[System], System] | None = None,
+    model: Model, tableau: AnySteps, record: bool, observe: Observed = (), made: Callable[[System], System] | None = None,
     noted: bool = False,
 ) -> Kernel:  # fmt: skip
     """The compiled kernel of a model's kind, by Rosenbrock steps or (no tableau: set-valued laws) Taylor steps.
@@ -153,7 +158,7 @@ def kernel_of(
     return _kernels((known_kind(model), tableau and tableau.name, record, observe, made, noted), compiled)
 
 
-def kernel(eq: System, tableau: Tableau | Series | None, label: str, record: bool) -> Kernel:
+def kernel(eq: System, tableau: AnySteps, label: str, record: bool) -> Kernel:
     """The compiled kernel of a traced model: eight lanes twice, or one lane that keeps its dense output."""
     step = step_of(eq, tableau, record)
     method = "Taylor" if tableau is None else tableau.name
@@ -186,10 +191,12 @@ def kernel(eq: System, tableau: Tableau | Series | None, label: str, record: boo
     )
 
 
-def step_of(eq: System, method: Tableau | Series | None, record: bool) -> Step:
+def step_of(eq: System, method: AnySteps, record: bool) -> Step:
     """The written step of a method."""
     if method is None:
         return taylor.write_step(eq)
+    if isinstance(method, SeveralSeries):
+        return several_series.write_step(eq, method, record)
     return slaved.write_step(eq, method, record) if isinstance(method, Series) else write_step(eq, method, record)
 
 
@@ -314,7 +321,7 @@ def _rows_of(letter: str, fields: Iterable[str]) -> int:
 def _source(eq: System, step: Step, lanes: int) -> KernelSource:
     """The law's part of a kernel: the functions that the driver calls (`FUNCTIONS` in ``kernel_text.py``)."""
     width = min(lanes, WIDTH)
-    group = lanes if len(eq.contacts) == 1 else width  # several contacts hide each other's latency, in half the text
+    group = width if step.by_vector or len(eq.contacts) > 1 else lanes  # several contacts hide each other's latency, in half the text
     functions, text = law_text(eq, step, lanes)
     lines = step_text(step, places(eq, step, lanes, group, width))
     return KernelSource(text, {name: FUNCTIONS[name] for name in (*functions, "step")}, lines)
@@ -468,3 +475,22 @@ def run(
             progress(job.periods if keep_pieces else len(params))
     written.append(_taken(shared))
     return _results(k, shared, written if keep_pieces else None)
+
+
+def joined(first: Results, second: Results, of_first: Any) -> Results:
+    """The results of two kernels for cases of one table, in its order; `of_first` has which cases are the first's."""
+    import numpy as np
+
+    def merged(a: Any, b: Any) -> Any:
+        if isinstance(a, dict):
+            return {name: merged(a[name], b[name]) for name in a}
+        if isinstance(a, Parts):
+            return Parts(*(merged(getattr(a, each.name), getattr(b, each.name)) for each in fields(Parts)))
+        if a is None and b is None:
+            return None
+        a, b = (np.full(int(which.sum()), np.nan) if x is None else x for x, which in ((a, of_first), (b, ~of_first)))
+        whole = np.empty((len(of_first), *a.shape[1:]), a.dtype)
+        whole[of_first], whole[~of_first] = a, b
+        return whole
+
+    return Results(*(merged(getattr(first, each.name), getattr(second, each.name)) for each in fields(Results)))

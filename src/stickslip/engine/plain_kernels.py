@@ -7,13 +7,11 @@ from typing import Any
 
 from stickslip.engine import driver
 from stickslip.engine.kernel_text import FUNCTIONS
-from stickslip.engine.lanes import law_text, layout, places, step_of, watched
+from stickslip.engine.lanes import AnySteps, law_text, layout, places, step_of, watched
 from stickslip.engine.observed import lists_of
 from stickslip.engine.rosenbrock_step import Step
-from stickslip.engine.slaved import Series
 from stickslip.engine.steptext import places_of
 from stickslip.engine.system import System
-from stickslip.engine.tableaux import Tableau
 
 
 @dataclass(frozen=True)
@@ -41,7 +39,7 @@ class PlainKernel:
     table: Any
 
 
-def plain_kernel(eq: System, method: Tableau | Series | None) -> PlainKernel:
+def plain_kernel(eq: System, method: AnySteps) -> PlainKernel:
     """The kernel of a traced model for one case that keeps its dense output, of which nothing is noted; nothing is compiled."""
     eq = replace(eq, signals=(), ratios=())
     step = step_of(eq, method, record=True)

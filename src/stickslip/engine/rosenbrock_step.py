@@ -29,14 +29,17 @@ class Step:
     case_nodes: tuple[Sym, ...]  # values _c0, _c1, … of a lane
     degree: int  # of the dense output
     series: bool = False  # a Taylor step: the driver does the rest
+    by_vector: bool = False  # long enough to be written for one vector of lanes, one after the other
 
 
 def write_step(eq: System, tableau: Tableau, record: bool) -> Step:
     """The lines of one step; with `record` the dense output's coefficients are kept too."""
-    return _StepWriter(eq, tableau, record).write()
+    return RosenbrockWriter(eq, tableau, record).write()
 
 
-class _StepWriter(EventWriter):
+class RosenbrockWriter(EventWriter):
+    """Writes the lines of a step; what is not of the method itself serves others too."""
+
     def __init__(self, eq: System, tableau: Tableau, record: bool):
         self.eq, self.tab, self.record = eq, tableau, record
         self.w, self.k = Writer(), tableau.control
@@ -51,6 +54,7 @@ class _StepWriter(EventWriter):
         self.w.count_uses(roots)
 
     def write(self) -> Step:
+        """All lines in order."""
         n, g = range(self.n), range(self.g)
         scalars = ["t", "h", "tend", "x", "le", "lh", "grow"]
         fields = scalars + [f"y{i}" for i in n] + [f"b{k}" for k in g] + [f"on{k}" for k in g] + [f"m{i}" for i in n if i]
@@ -85,8 +89,7 @@ class _StepWriter(EventWriter):
         start = self._bind("_t", [f"_y{i}" for i in range(self.n)])
         self.start = start
         self.f = [self.w.value(e, start) for e in self.eq.f]
-        self.J = [[self.w.value(e, start) for e in row] for row in self.eq.jacobian]
-        self.T = [self.w.value(e, start) for e in self.eq.by_time]
+        self._derivatives()
         self.guard_start = [self.w.value(e, start) for e in self.eq.guards]
         self.guard_rate = [self.w.value(e, start) for e in self.eq.guard_rates]
         self.scale_v = self.w.value(self.eq.velocity_scale, start)
@@ -99,6 +102,11 @@ class _StepWriter(EventWriter):
         small = f"abs({slip}) < 1e-12 * {self.scale_v}"
         self.w.line("_safe", f"1.0 if {small} else {slip}")
         self.w.line("_ratio", f"0.0 if {small} else 1.0 - {self.f[first.inner[0]]} / _safe" if first.inner else "1.0")
+
+    def _derivatives(self) -> None:
+        """The Jacobian and the time derivative of f at the start."""
+        self.J = [[self.w.value(e, self.start) for e in row] for row in self.eq.jacobian]
+        self.T = [self.w.value(e, self.start) for e in self.eq.by_time]
 
     def _length(self) -> None:
         """The step's length: the controller's wish, cut where break-away must be foreseen and where the period ends."""

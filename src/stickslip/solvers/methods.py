@@ -18,6 +18,8 @@ from stickslip.models.machine_adapter import machine_of
 from stickslip.models.model_adapter import adapter_of
 
 if TYPE_CHECKING:
+    from stickslip.engine.lanes import AnySteps
+    from stickslip.engine.several_series import SeveralSeries
     from stickslip.engine.slaved import Series
     from stickslip.engine.tableaux import Tableau
     from stickslip.results.summary import Summary
@@ -54,7 +56,7 @@ class Method(Protocol):
 class Stepping(Protocol):
     """Base class of the methods that step cases side by side."""
 
-    def steps(self, todo: Request) -> tuple[Series | Tableau | None, float]:
+    def steps(self, todo: Request) -> tuple[AnySteps, float]:
         """The steps that a request takes (None: Taylor steps of set-valued laws), and the tolerance to which they are held."""
 
     def run(self, todo: Request) -> Trajectory | Summary:
@@ -183,6 +185,45 @@ class TaylorSeries(Stepping):
 
 
 @dataclass(frozen=True)
+class SeriesOfSeveralStates(Stepping):
+    """Laws whose inner states are bounded in how fast they relax, such as generalised Maxwell slip: explicit series of all states.
+
+    Cases in which they are fast beside the period go by Rosenbrock steps, each by its own numbers.
+    """
+
+    title: str = "Taylor series of several states"
+    names: tuple[str, ...] = ("auto", "taylor")
+    observes: bool = True
+    pauses: bool = True
+
+    def accepts(self, model: Model) -> str | None:
+        """Laws whose rates are affine in the inner states, asked of the traced equations."""
+        from stickslip.solvers.series import swings_of
+
+        why = _of_laws(model, dynamic=True) or swings_of(model)
+        return why if isinstance(why, str) else None
+
+    def steps(self, todo: Request) -> tuple[SeveralSeries | Tableau, float]:
+        """The series of the order that the tolerance asks for, if they suit all cases."""
+        from stickslip.solvers import series
+
+        every = todo.method == "taylor" or series.smooth_cases(todo).all()
+        return series.method_of_several(todo.rtol) if every else Rosenbrock().steps(todo)
+
+    def run(self, todo: Request) -> Trajectory | Summary:
+        """Step by step, each case by the steps that suit it."""
+        from stickslip.solvers import series, stepping
+
+        one, other = series.method_of_several(todo.rtol), Rosenbrock().steps(todo)
+        smooth = None if todo.method == "taylor" else series.smooth_cases(todo)
+        if smooth is None or smooth.all():
+            return stepping.run(todo, *one)
+        if not smooth.any() or todo.watched is not None:
+            return stepping.run(todo, *other)
+        return stepping.run_of_two(todo, smooth, one, other)
+
+
+@dataclass(frozen=True)
 class RungeKutta:
     """The naive judge: steps of fixed length."""
 
@@ -257,7 +298,7 @@ _ENDLESS = "it does not pause between two steps of a caller's"
 ALL: tuple[Method, ...] = (
     ClosedArcs(),
     LocalSteps(),
-    *(_STEPPING := (TaylorSteps(), TaylorSeries(), Rosenbrock())),
+    *(_STEPPING := (TaylorSteps(), TaylorSeries(), SeriesOfSeveralStates(), Rosenbrock())),
     *(_ALONE := (RungeKutta(), IndependentJudge())),
 )
 _OF_FLOWS = SwitchedSteps()
@@ -273,7 +314,7 @@ def takes_closed_arcs(name: str, model: Model) -> bool:
     return name in ClosedArcs.names and ClosedArcs().accepts(model) is None
 
 
-def steps_of(todo: Request) -> tuple[Series | Tableau | None, float]:
+def steps_of(todo: Request) -> tuple[AnySteps, float]:
     """The steps that a request takes which is not for closed arcs, and the tolerance to which they are held."""
     return next(each.steps(todo) for each in _STEPPING if todo.method in each.names and _refusal(each, todo.model) is None)
 

@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 from stickslip.basics.contracts import Model
+from stickslip.engine import several_series
 from stickslip.engine.kinds import known_kind
 from stickslip.engine.law_checks import check_numbers
 from stickslip.engine.remembered import Remembered
+from stickslip.engine.several_series import SeveralSeries, Swings
 from stickslip.engine.slaved import SERIES, Series
 from stickslip.engine.slaving import slaving
+from stickslip.engine.symbolic import SPAN
 from stickslip.engine.trace import trace
+
+if TYPE_CHECKING:
+    from stickslip.solvers.settings import Request
 
 #: The steps are held to a part of the tolerance asked for: with it the map of one period is within 10 times the tolerance for each of
 #: ten thousand random robots, also where errors grow a hundredfold in a period (verification/series_of_robots.py).
 SAFETY = 0.05
 
 _reasons: Remembered[str | None] = Remembered()
+_swings: Remembered[Swings | str] = Remembered()
 
 
 def method(rtol: float) -> tuple[Series, float]:
@@ -32,3 +41,29 @@ def series_refusal(model: Model) -> str | None:
         return law if isinstance(law, str) else None
 
     return _reasons(known_kind(model), reason)
+
+
+def method_of_several(rtol: float) -> tuple[SeveralSeries, float]:
+    """The same of several inner states."""
+    held = SAFETY * rtol
+    return next(series for least, series in several_series.SERIES if held >= least), held
+
+
+def swings_of(model: Model) -> Swings | str:
+    """How fast the inner states of a machine swing; or why series of several states do not take it. A known kind costs nothing."""
+
+    def asked() -> Swings | str:
+        check_numbers(model)
+        return several_series.swings(trace(model))
+
+    return _swings(known_kind(model), asked)
+
+
+def smooth_cases(todo: Request) -> Any:
+    """In which cases of a request explicit steps are not kept short by inner states that are fast beside the period: array (cases,)."""
+    import numpy as np
+
+    swings = swings_of(todo.model)
+    assert not isinstance(swings, str)
+    most = swings.in_a_period({SPAN: todo.span} | todo.numbers_of())
+    return np.broadcast_to(np.ravel(most <= several_series.SMOOTH), (todo.cases,))

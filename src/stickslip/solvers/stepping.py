@@ -13,8 +13,6 @@ from stickslip.basics.pool import handed_out
 from stickslip.basics.status import ENDS, Status
 from stickslip.engine import lanes, law_checks as checks
 from stickslip.engine.kernels.columns import SEGS as SEGMENTS
-from stickslip.engine.slaved import Series
-from stickslip.engine.tableaux import Tableau
 from stickslip.models.machine_adapter import MachineAdapter, machine_of
 from stickslip.models.state_layout import StateLayout
 from stickslip.results.dense_output import PolynomialPieces
@@ -36,7 +34,7 @@ KEPT = 4_000_000_000
 CHUNK = 4096
 
 
-def run(todo: Request, tableau: Tableau | Series | None, rtol: float) -> Trajectory | Summary:
+def run(todo: Request, tableau: lanes.AnySteps, rtol: float) -> Trajectory | Summary:
     """Solve as asked, by Rosenbrock steps, Taylor series of laws with an inner state, or (no tableau) Taylor steps."""
     check_period(todo.model, todo.machine)
     kernel = lanes.kernel_of(todo.model, tableau, todo.cases == 1 or todo.watched is not None, todo.observe)
@@ -60,6 +58,15 @@ def run(todo: Request, tableau: Tableau | Series | None, rtol: float) -> Traject
         raise SolveError(_stopped(todo, results, kernel, table, 0, t, results.pieces[:, 4 : 4 + kernel.contacts]), status)
     counts = {"steps": int(results.accepted[0]), "rejected": int(results.rejected[0])}
     return trajectory(todo, method, _pieces(results.pieces, kernel, table, todo.periods), counts, status if status in ENDS else 0)
+
+
+def run_of_two(todo: Request, first: Any, one: tuple[lanes.AnySteps, float], other: tuple[lanes.AnySteps, float]) -> Summary:
+    """A batch of which some cases, an array (cases,) says which, go by other steps than the rest."""
+    check_period(todo.model, todo.machine)
+    kernel, rest = (lanes.kernel_of(todo.model, steps, False, todo.observe) for steps, _ in (one, other))
+    job, of_rest = (_job(todo, rtol) for _, rtol in (one, other))
+    method = f"{_method(one[0])}, {_method(other[0])}"
+    return gather(todo, method, _parts(todo, kernel, job, (first, rest, of_rest)))
 
 
 def _stopped(todo: Request, results: lanes.Results, kernel: lanes.Kernel, table: CaseTable, case: int, t: float, sides: Any) -> str:
@@ -94,7 +101,7 @@ def _state(end: Any, offsets: Any, layout: StateLayout) -> str:
     return ", ".join(f"{name} = {value:.9g}" for name, value in zip(["x [m]", "v [m/s]", *z], values, strict=True))
 
 
-def run_to_end(todo: Request, tableau: Tableau | Series | None, rtol: float) -> tuple[Summary, Any, Any, Any, Any]:
+def run_to_end(todo: Request, tableau: lanes.AnySteps, rtol: float) -> tuple[Summary, Any, Any, Any, Any]:
     """The summary of a batch, and of every case at its end x, v (cases,), the law's inner states (cases, states) and its memories."""
     check_period(todo.model, todo.machine)
     kernel = lanes.kernel_of(todo.model, tableau, record=False)
@@ -105,7 +112,7 @@ def run_to_end(todo: Request, tableau: Tableau | Series | None, rtol: float) -> 
     return summary, results.end[:, 0], v[:, 0], z, results.memory
 
 
-def _method(tableau: Tableau | Series | None) -> str:
+def _method(tableau: lanes.AnySteps) -> str:
     return "exact" if tableau is None else tableau.name
 
 
@@ -121,8 +128,8 @@ def budget_of(model: Model, periods: int, machine: MachineAdapter | None = None)
     return min(budget, max(BUDGET_WITH_STOPS * periods, LEAST_WITH_STOPS)) if (machine or machine_of(model)).mechanics.stops else budget
 
 
-def _parts(todo: Request, kernel: lanes.Kernel, job: lanes.Job) -> Any:
-    """Raw results chunk by chunk; threads share the chunks."""
+def _parts(todo: Request, kernel: lanes.Kernel, job: lanes.Job, rest: tuple[Any, lanes.Kernel, lanes.Job] | None = None) -> Any:
+    """Raw results chunk by chunk; threads share the chunks. With `rest` the cases that it does not name go by another kernel."""
     bounds = _bounds(todo.cases, todo.workers)
     begun = [0] * len(bounds)
 
@@ -136,7 +143,17 @@ def _parts(todo: Request, kernel: lanes.Kernel, job: lanes.Job) -> Any:
         cases = slice(first, last)
         own = todo.numbers_of(cases)
         table = CaseTable(todo.model, kernel, todo.start[cases], todo.span[cases], which=cases, machine=todo.machine, own=own)
-        results = lanes.run(kernel, table.rows, table.start, job, progress=tell, partial=todo.partial)
+
+        def made(kernel: lanes.Kernel, job: lanes.Job, some: Any = slice(None)) -> lanes.Results:
+            return lanes.run(kernel, table.rows[some], table.start[some], job, progress=tell, partial=todo.partial)
+
+        if rest is None or rest[0][cases].all():
+            results = made(kernel, job)
+        elif not rest[0][cases].any():
+            results = made(*rest[1:])
+        else:
+            mine = rest[0][cases]
+            results = lanes.joined(made(kernel, job, mine), made(*rest[1:], ~mine), mine)
         return _raw(todo, results, kernel, table)
 
     for i, raw in handed_out(work, range(len(bounds)), todo.workers if len(bounds) > 1 else 1, all_parts=todo.partial):
