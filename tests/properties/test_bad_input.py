@@ -227,6 +227,7 @@ def test_solver_arguments_say_what_is_allowed():
     says(lambda: ss.solve(one, start={"v": math.nan}), "is not finite")
     says(lambda: ss.solve(one, start={"v": "fast"}), "start['v'] = 'fast'", "finite number")
     says(lambda: ss.solve(one, start={"z": 1e-6}), "Coulomb has no inner state", "leave z out")
+    says(lambda: ss.bifurcation(one), "parameter is missing; type parameter='mu0'", "values is missing; type values=[")
     says(lambda: ss.solve(rig(), method="exact"), "set-valued", 'method="auto"')
     says(lambda: ss.solve(one, method="rodas4"), "set-valued", 'method="auto"')
     says(lambda: ss.solve(rig(amplitude=np.array([1e-4, 2e-4])), keep="trajectory"), "batch of shape (2,)", 'keep="summary"')

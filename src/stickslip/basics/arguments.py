@@ -218,9 +218,22 @@ def _check_names(function: Callable[..., Any], args: tuple[Any, ...], kwargs: di
         signature.bind(*args, **kwargs)
     except TypeError:
         _check_places(function.__name__, list(signature.parameters.values()), args)
-        check_arguments(
-            function.__name__, dict(signature.parameters), args, kwargs, lambda: described_arguments(function), "not an argument"
-        )
+        described = lambda: _in_examples(function) | described_arguments(function)  # noqa: E731
+        check_arguments(function.__name__, dict(signature.parameters), args, kwargs, described, "not an argument")
+
+
+def _in_examples(function: Callable[..., Any]) -> dict[str, Mapping[str, Any]]:
+    """What the examples of a function's docstring type for its arguments, by name; what is a variable there helps nobody."""
+    import ast
+    import doctest
+
+    found: dict[str, Mapping[str, Any]] = {}
+    for example in doctest.DocTestParser().get_examples(inspect.getdoc(function) or ""):
+        for call in ast.walk(ast.parse(example.source)):
+            if isinstance(call, ast.Call) and function.__name__ in (getattr(call.func, "attr", ""), getattr(call.func, "id", "")):
+                typed = {word.arg: word.value for word in call.keywords if word.arg and not isinstance(word.value, ast.Name)}
+                found = {name: {"example": ast.unparse(value)} for name, value in typed.items()} | found
+    return found
 
 
 def _check_places(what: str, known: list[inspect.Parameter], args: tuple[Any, ...]) -> None:
