@@ -75,6 +75,12 @@ def test_what_other_noise_would_have_shown_is_as_far_off_as_the_motion_is():
     motion = smoothed((channel(0, T, noisy(2e-6)),))
     away = np.std([motion.again(k).at(T, 1) - motion.at(T, 1) for k in range(8)])
     assert 0.4 < np.std(motion.at(T, 1) - V) / away < 2.5
+    t, rng = np.arange(0.0, 8.0, 5e-3), np.random.default_rng(2)  # an acceleration, of which the ends are left out
+    swing = smoothed((channel(0, t, np.sin(2 * t) + 0.2 * np.sin(6 * t) + rng.normal(0, 1e-3, len(t))),))
+    off = swing.at(t, 2) + 4 * np.sin(2 * t) + 7.2 * np.sin(6 * t)
+    again, inside = np.std([swing.again(k).at(t, 2) - swing.at(t, 2) for k in range(8)], axis=0), swing.inside(t)
+    ratio = [float(np.std(off[which]) / np.sqrt(np.mean(again[which] ** 2))) for which in (inside, ~inside)]
+    assert ratio[0] < 1.5 < 2.0 < ratio[1] and 0.75 < np.mean(inside) < 0.98, ratio
 
 
 def test_a_measured_velocity_is_used_where_it_agrees_with_the_position_and_named_where_not():
@@ -200,7 +206,7 @@ def test_noise_of_the_motion_is_in_the_derivatives_too():
     rec = ss.Record.of(t, {"x [m]": seen, "F [N]": 50.0 * v + rng.normal(0.0, 1e-3, len(t))}, roles={"x": "position", "F": "force"})
     fit = ss.identify(rec, ss.friction.Viscous, free={"viscous": (1.0, 400.0)}, load=1.0, starts=1, sensor={})
     problem = fit.problem.model
-    own, again = (np.where(each.targets[0].still, 0.0, each.targets[0].at) for each in (problem, problem.redrawn(5)))
+    own, again = (np.where(m.still, 0.0, m.at)[m.compared] for m in (each.targets[0] for each in (problem, problem.redrawn(5))))
     moved = information_of(fit.problem, fit.jacobian).inverse[:, : fit.count] @ fit.changes[:, 5]
     there = (again @ own) / (again @ again)  # of the slope over the other motion, in that over this one
     attenuated = 1 - float(moved[0] * fit.slopes[0]) / fit.values["viscous"]

@@ -228,7 +228,7 @@ def bench_of(model: Model, rec: Record, label: str) -> MachineLog:
     tried = _halves(clock, smooth)
     best = min(tried, key=lambda pair: pair[1])
     rate = _velocities(clock, smooth)
-    half, noisy = _with_values(tried, best, lambda half: len(_windows(clock, rate, half)[0]))
+    half, noisy = _with_values(tried, best, lambda half: len(_windows(clock, rate, half, smooth)[0]))
     return _made(kind, clock, smooth, rate, half, noisy, label, notes)
 
 
@@ -295,13 +295,13 @@ def _velocities(clock: Clock, smooth: Smooth | None) -> Any:
     return np.where(abs(rate) <= max(_REST * sigma, 1e-9 * float(abs(rate).max())), 0.0, rate)
 
 
-def _windows(clock: Clock, rate: Array, half: int) -> tuple[Any, int]:
-    """Samples in the middle of windows that are compared, and how many are left out about reversals."""
+def _windows(clock: Clock, rate: Array, half: int, smooth: Smooth | None) -> tuple[Any, int]:
+    """Samples in the middle of windows that are compared, and how many are left out about reversals; none at smoothed ends."""
     count, apart = len(clock.t), 2 * half + 1 if half > 1 else 1
     at = np.arange(half, count - half, apart)
     turns = np.concatenate([[0], np.cumsum(np.diff(np.sign(rate)) != 0)])
     margin = half + int(np.clip(count / (_STROKE * (turns[-1] + 1)), 0, _LATE))  # a delay brings the friction before a reversal after it
-    whole = clock.joined(at, half)
+    whole = clock.joined(at, half) & (True if smooth is None else smooth.inside(clock.t[at]))
     even = turns[np.minimum(at + margin, count - 1)] == turns[np.maximum(at - margin, 0)]
     return at[whole & even], int((whole & ~even).sum())
 
@@ -309,7 +309,7 @@ def _windows(clock: Clock, rate: Array, half: int) -> tuple[Any, int]:
 def _made(kind: str, clock: Clock, smooth: Smooth | None, rate: Array, half: int, noisy: float, label: str, notes: list[str]) -> MachineLog:
     t, h = clock.t, clock.step
     x = clock.x if smooth is None else smooth.at(t)
-    at, turned = _windows(clock, rate, half)
+    at, turned = _windows(clock, rate, half, smooth)
     if len(at) < _FEWEST:
         raise InputError("identify", [_few(label, len(at), len(t), kind, half, smooth)])
     weight = 1.0 / _averaged(1.0 / np.where(clock.weight > 0, clock.weight, np.inf), at, half)

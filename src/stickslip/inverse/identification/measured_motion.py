@@ -54,7 +54,8 @@ def motion_behind(rec: Record) -> tuple[Smooth | None, list[str]]:
     noise_text = f"noise of the {channels[first].name} {_shown(motion.noise[first], channels[first])} {unit}".rstrip()
     combined = "".join(f", with the {channels[c.order].name}" for c in used[1:])
     if size > 0:
-        notes.append(f"the motion is smoothed to a bandwidth of {motion.bandwidth:.3g} Hz{combined} ({noise_text})")
+        ends = f"{motion.end:.2g} s at either end are left out"
+        notes.append(f"the motion is smoothed to a bandwidth of {motion.bandwidth:.3g} Hz{combined} ({noise_text}); {ends}")
     return motion, notes
 
 

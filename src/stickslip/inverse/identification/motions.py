@@ -324,7 +324,7 @@ def motion_of(rec: Record, load: float | None, label: str, any_start: bool = Fal
     smooth, said = motion_behind(rec)
     remarks += said
     x = x if smooth is None else smooth.at(t)
-    own = weights_at(rec, t)
+    own = weights_at(rec, t) * (1.0 if smooth is None else smooth.inside(t))
     if (count := int(np.isfinite(F).sum())) < 16:
         raise InputError("identify", [f"{label} has {count} samples with position, force and a positive load; allowed are 16 or more"])
     flipped = float(np.nansum(0.5 * (F[1:] + F[:-1]) * np.diff(x))) < 0

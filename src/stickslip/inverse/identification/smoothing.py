@@ -34,6 +34,7 @@ _EDGE = 0.05  # of a count, by which the edges of an encoder may be off
 _MOST = 200_000  # values of all channels together
 _FEW, _FINER = 128, 3  # knots at first, and by how many times more if they are too few
 _INNER, _NOISY = 1.2, 1.2  # phase of a knot below which knots are enough, and squares that are left then, in those of noise
+_ENDS, _AT_MOST = 1.5, 0.1  # of a record that are left out at either end: over the bandwidth, and in parts of its length
 _LEAST_PHASE = 0.03  # of a knot: no bandwidth is lower
 REDRAWS = 24  # times that the motion is measured again
 
@@ -106,6 +107,17 @@ class Smooth:
     def at(self, t: Any, order: int = 0) -> Any:
         """Position, velocity or acceleration at some instants."""
         return self.knots.values(t, self.coefficients, order)
+
+    @property
+    def end(self) -> float:
+        """Length of either end, where a motion that is bent there is smoothed towards one that is not [s]."""
+        span = self.knots.step * self.knots.count
+        return min(_ENDS / max(self.bandwidth, 1e-300), _AT_MOST * span)
+
+    def inside(self, t: Any) -> Any:
+        """Which instants are not within an end, whose errors show in no repetition: array of bool."""
+        last = self.knots.start + self.knots.step * self.knots.count
+        return (t >= self.knots.start + self.end) & (t <= last - self.end)
 
     def again(self, k: int) -> Smooth:
         """The motion as other noise of the sensors, the k-th, would have shown it."""

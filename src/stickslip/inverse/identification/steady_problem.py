@@ -249,7 +249,11 @@ class SteadyProblem(OverParameters):
     def settling(self, point: Array) -> dict[str, float]:
         """Drive periods after which a tenth of a start is left, of the motion of each record that is taken as steady: label -> number."""
         motions = self._motions(point) or []
-        return {self.targets[i].label: periods_to_settle(motions[i], self.rtol) for i in self.curves if isinstance(motions[i], SteadyCurve)}
+        return {
+            self.targets[i].label: periods_to_settle(motions[i], self.rtol)
+            for i in self.curves
+            if motions and isinstance(motions[i], SteadyCurve)
+        }
 
     def other_phases(self, point: Array) -> list[Any]:
         """The same point where the phase of one record is whole drive periods later, of motions that repeat after several of these."""
