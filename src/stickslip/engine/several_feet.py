@@ -409,8 +409,8 @@ def _add_hit(feet: Feet, h: int, flights: dict[int, Flight], number: int) -> Non
     }  # at once
     touches = {i: one if i == h else graph.select(flights[i].aloft, lands[i], one) for i in points}
     before = {i: graph.select(flights[i].aloft, rates[i], zero) for i in points}
-    thrown, after = _impulses(feet, touches, before, {i: m.lift(m.laws[i].restitution) for i in points}, True)
-    stays, settled = _impulses(feet, touches, before, dict.fromkeys(points, zero), False)
+    thrown, after, fails = _impulses(feet, touches, before, {i: m.lift(m.laws[i].restitution) for i in points}, True)
+    stays, settled, lost = _impulses(feet, touches, before, dict.fromkeys(points, zero), False)
     over = _over(feet, touches, after, thrown)
     changes = [graph.select(over, a, b) for a, b in zip(feet.changes(stays), feet.changes(thrown), strict=True)]
     there = jumped(graph, list(zip(m.y, changes, strict=True)))
@@ -419,6 +419,7 @@ def _add_hit(feet: Feet, h: int, flights: dict[int, Flight], number: int) -> Non
     flies = {i: graph.select(touches[i], graph.select(rate[i], one, zero), one) for i in points}
     now = {i: _side(there.of(m.slips[i]), still, graph) for i in group}
     new = decided(feet, flies, now, there.of).after(feet, flights, number)
+    new[number] = graph.select(fails, one, graph.select(over, graph.select(lost, one, new[number]), new[number]))
     states: dict[int, Any] = {c: y + change for c, (y, change) in enumerate(zip(m.y, changes, strict=True))}
     for i in points:
         states |= {flights[i].inner[1]: rate[i]}
@@ -426,8 +427,8 @@ def _add_hit(feet: Feet, h: int, flights: dict[int, Flight], number: int) -> Non
     parts.events.append((graph.select(flights[h].aloft, parts.inner[flights[h].inner[0] - len(m.y)], one), new, states, 0))
 
 
-def _impulses(feet: Feet, touches: Numbers, before: Numbers, e: Numbers, may_lift: bool) -> tuple[Bearing, Numbers]:
-    """Impulses of a hit by Newton and Coulomb at all points that touch and at rails, and rates of gaps after it.
+def _impulses(feet: Feet, touches: Numbers, before: Numbers, e: Numbers, may_lift: bool) -> tuple[Bearing, Numbers, Sym]:
+    """Impulses of a hit by Newton and Coulomb at all points that touch and at rails, and rates of gaps after it; 1 where none agree.
 
     Or of a hit after which none lifts.
     """
@@ -436,7 +437,7 @@ def _impulses(feet: Feet, touches: Numbers, before: Numbers, e: Numbers, may_lif
     slips, still = {i: m.slips[i] for i in feet.group}, {i: before.get(i, feet.zero) for i in pressed}
     slide = {i: tuple(feet.steepness[i] * per_impulse(feet.parts, i, side) for side in (1.0, -1.0)) for i in pressed}
     answer = Bearing(dict.fromkeys(pressed, feet.zero), dict.fromkeys(feet.group, feet.zero))
-    size = _TIE * m.lift(m.machine.velocity_scale)
+    size, none = _TIE * m.lift(m.machine.velocity_scale), one
     for given, signs in reversed(list(itertools.product(feet.combinations(pressed), feet.each_sign()))):
         bearing, up, along = feet.bearing_of(given, signs, gaps, slips, slide, {})
         conditions, resting = list[Sym](), [i for i in pressed if given[i] == 0]
@@ -453,8 +454,9 @@ def _impulses(feet: Feet, touches: Numbers, before: Numbers, e: Numbers, may_lif
             conditions += [of + slack for of in rests] if side == 0 else [side * along[i] + size]
         agrees = reduce(lambda rest, condition: graph.select(condition, rest, -one), conditions, one)
         answer = Bearing(*({i: graph.select(agrees, new[i], old[i]) for i in old} for new, old in zip(bearing, answer, strict=True)))
+        none = graph.select(agrees, feet.zero, none)
     up, _ = feet.rates(answer, still, slips)
-    return answer, up
+    return answer, up, none
 
 
 def _over(feet: Feet, touches: Numbers, after: Numbers, thrown: Bearing) -> Sym:
