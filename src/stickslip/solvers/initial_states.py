@@ -30,12 +30,18 @@ LARGEST_START = 1e9
 RESOLVED = 1e-8
 
 
-def start_states(model: Model, labels: Labels, start: Any, problems: Problems) -> Any:
+def flattened(model: Model, labels: Labels) -> MachineAdapter:
+    """The adapter of a machine whose numbers are columns of its cases; of a single case its own."""
+    return machine_of(flat(model) if labels.shape else model)
+
+
+def start_states(model: Model, labels: Labels, start: Any, problems: Problems, machine: MachineAdapter | None = None) -> Any:
     """Where the cases of a machine begin, from a start as `solve` takes it; all that is wrong with it is added to the problems.
 
-    A table (cases, 2 coordinates + inner states + memories): coordinates, their velocities, and what laws and controllers hold.
+    A table (cases, 2 coordinates + inner states + memories): coordinates, their velocities, and what laws and controllers hold. Who has
+    its adapter (`flattened`) gives that too.
     """
-    of, counted = machine_of(flat(model) if labels.shape else model), len(problems.mistakes)
+    of, counted = machine or flattened(model, labels), len(problems.mistakes)
     m, cases = of.mechanics, labels.cases
     inner, held, memories = sum(law.states for law in m.laws), sum(m.controllers.counts), sum(law.modes for law in m.laws)
     ends = [*itertools.accumulate((m.coordinates, m.coordinates, inner, held, memories), initial=0)]

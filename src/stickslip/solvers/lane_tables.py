@@ -31,7 +31,7 @@ class CaseTable:
     more : dict of arrays (cases,), optional
         Numbers of the kernel that are none of the model, such as parts of a direction (`part_in` of `stickslip.engine.tangent`).
     machine : MachineAdapter, optional
-        The model's adapter, where it is at hand.
+        The model's adapter, or that of its flattened batch, where it is at hand.
     own : dict, optional
         The model's numbers in these cases (`numbers_by_name`), where they are at hand.
     """
@@ -49,7 +49,7 @@ class CaseTable:
     ):
         cases, machine = len(start), machine or machine_of(model)
         own = numbers_by_name(model, which) if own is None else own
-        flat = machine if are_single(own.values()) else machine_of(replace_leaf(model, own))
+        flat = machine if machine.model is not model or are_single(own.values()) else machine_of(replace_leaf(model, own))
         self.model, self.which = model, which
         self.span = np.broadcast_to(span, (cases,))
         known = {trace.SPAN: self.span} | (more or {}) | own

@@ -18,9 +18,11 @@ from stickslip.basics.variables import VARIABLES
 from stickslip.engine.kinds import check_functions
 from stickslip.models.model_adapter import adapter_of, is_model
 from stickslip.models.observables import checked_observables
-from stickslip.solvers.initial_states import start_states
+from stickslip.solvers.initial_states import flattened, start_states
 from stickslip.solvers.methods import METHODS
 from stickslip.solvers.settings import Request, Settings, check_duration, check_keep, check_rtol, versions
+
+_AT_ONCE = 4096  # cases of a batch whose numbers as columns are kept for the table of its lanes
 
 
 def request(model: Model, settings: Settings) -> Request:
@@ -51,7 +53,7 @@ def request(model: Model, settings: Settings) -> Request:
         problems.add(f"settle = {settle!r}; allowed is {allowed}; type for example settle=100")
     _check_thresholds(given, problems)
     _check_names(labels, given, problems)
-    states = start_states(model, labels, given.start, problems)
+    states = start_states(model, labels, given.start, problems, machine := flattened(model, labels))
     problems.check()
     keep = given.keep or ("summary" if labels.shape else "trajectory")
     observed = checked_observables("solve", given.observe, VARIABLES)
@@ -80,6 +82,7 @@ def request(model: Model, settings: Settings) -> Request:
         span=spread_over_cases(float(duration) if model.period is None else model.period, labels),
         observe=observed,
         numbers=numbers,
+        flat=machine if labels.shape and labels.cases <= _AT_ONCE else None,
         partial=is_outermost() if keep == "trajectory" else takes_some_cases(),
     )
 

@@ -86,6 +86,7 @@ class Request:
     observe: tuple[tuple[str, Observable], ...] = ()
     numbers: dict[str, Any] = field(default_factory=dict)  # of the model
     partial: bool = False  # whether an interruption ends it with what is done
+    flat: MachineAdapter | None = None  # of a batch of machines: its numbers are columns of the cases
     modes: Any = ()  # in which the cases of a flow begin
     equations: Any = None  # of a flow, traced
     watched: Any = None  # of a batch with a user's events: what takes note of each case's dense output (`named_events.Watched`)

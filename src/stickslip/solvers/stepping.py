@@ -141,8 +141,9 @@ def _parts(todo: Request, kernel: lanes.Kernel, job: lanes.Job, rest: tuple[Any,
             todo.progress(sum(begun), todo.cases)
 
         cases = slice(first, last)
+        machine = todo.flat if todo.flat is not None and len(bounds) == 1 else todo.machine
         own = todo.numbers_of(cases)
-        table = CaseTable(todo.model, kernel, todo.start[cases], todo.span[cases], which=cases, machine=todo.machine, own=own)
+        table = CaseTable(todo.model, kernel, todo.start[cases], todo.span[cases], which=cases, machine=machine, own=own)
 
         def made(kernel: lanes.Kernel, job: lanes.Job, some: Any = slice(None)) -> lanes.Results:
             return lanes.run(kernel, table.rows[some], table.start[some], job, progress=tell, partial=todo.partial)
