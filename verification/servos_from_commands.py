@@ -6,8 +6,8 @@ For each set three logs of 6 s with other loads and trajectories are fitted toge
 found; a fourth log, of another load, is held out. Each line has the processor time of all fits, the models by AICc, the errors of the
 numbers of the true model in standard errors, what is not determined, and the error of the held-out angle beside that of the true ones.
 
-Of the 37 sets these 36 have been run so far, the last 21 of them, from mx64 on, since places are those of the model (mx64_m1 and feetech
-before that). The right model came first for 32; for xl330_m6 and xl320_m6 M5 fits as well (AICc lower by 1.6 and 1.9; below 4 the verdict
+All 37 sets have been run, the last 22 of them, from mx64 on, since places are those of the model (mx64_m1 and feetech
+before that). The right model came first for 33; for xl330_m6 and xl320_m6 M5 fits as well (AICc lower by 1.6 and 1.9; below 4 the verdict
 is that these data cannot distinguish them), erob80_50_m2 has no Stribeck friction, so that it is M1, and of erob80_50_m4 that is 9e-6 N
 m, so that it is M3. AICc is that of the next model, or of the right one where another is first; errors are the largest in standard
 errors; held out is the error of the held-out angle over that of the truth; processor time is that of all six fits. Of the last 21 sets no
@@ -50,6 +50,7 @@ by more than 20) do have it.
     erob80_100_m4   m4              1.9          0.68     1.002        44
     erob80_100_m5   m5             13.0          1.41     0.999        43
     erob80_100_m6   m6           1017.8          1.40     1.007        32
+    erob80_50_m6    m6             83.2          1.53     1.001        37
     feetech_m1      m1              1.8          0.64     1.000        84  k_t, R, viscous
 """
 

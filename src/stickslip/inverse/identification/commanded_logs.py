@@ -296,13 +296,9 @@ class CommandedProblem(OverParameters):
 
     def _machines(self, i: int, places: Any) -> tuple[Any, Any]:
         """Which places make machines, and those of one record as a batch: made at once where a machine, and no function, is at hand."""
-        of = self.parameters
-        if not (callable(of.make) or of.left_out or any(map(callable, of.tied.values()))):
-            try:
-                return np.ones(len(places), bool), of.make.replace(of.arguments(of.values(places.T), i))
-            except InputError:
-                pass  # one of them makes none
-        good, batches = of.batches(places)
+        if (batch := self.parameters.at_once(places, i)) is not None:
+            return np.ones(len(places), bool), batch
+        good, batches = self.parameters.batches(places)
         return good, batches[i] if good.any() else None
 
     def slopes(self, point: Array, readings: Sequence[Mapping[str, Any]]) -> tuple[Any, Any]:

@@ -164,12 +164,24 @@ class Parameters:
     def batches(self, points: Array) -> tuple[Any, list[Any]]:
         """For many points: which of them make models, and for each record a batch of those that do.
 
-        A maker need not take arrays: models are made one by one, and their numbers are put together.
+        A maker need not take arrays: models are made one by one, and their numbers are put together; those of a machine at once.
         """
+        at_once = [self.at_once(points, record) for record in range(len(self.fixed))]
+        if all(batch is not None for batch in at_once):
+            return np.ones(len(points), bool), at_once
         made = [self.models(point) for point in points]
         good = [models for models in made if models is not None]
         stacks = [stacked("identify", list(each)) for each in zip(*good, strict=True)]
         return np.array([models is not None for models in made], bool), stacks
+
+    def at_once(self, points: Array, record: int) -> Any:
+        """The models of one record at many points as a batch that is made at once; None of a function, and where one point makes none."""
+        if callable(self.make) or self.left_out or any(map(callable, self.tied.values())):
+            return None
+        try:
+            return self.make.replace(self.arguments(self.values(np.asarray(points, float).T), record))
+        except InputError:
+            return None
 
     def only(self, fixed: dict[str, float]) -> Parameters:
         """The same with some of the free parameters held."""
