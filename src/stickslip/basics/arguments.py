@@ -227,13 +227,13 @@ def _in_examples(function: Callable[..., Any]) -> dict[str, Mapping[str, Any]]:
     import ast
     import doctest
 
-    found: dict[str, Mapping[str, Any]] = {}
+    given: dict[str, Mapping[str, Any]] = {}
     for example in doctest.DocTestParser().get_examples(inspect.getdoc(function) or ""):
         for call in ast.walk(ast.parse(example.source)):
             if isinstance(call, ast.Call) and function.__name__ in (getattr(call.func, "attr", ""), getattr(call.func, "id", "")):
                 typed = {word.arg: word.value for word in call.keywords if word.arg and not isinstance(word.value, ast.Name)}
-                found = {name: {"example": ast.unparse(value)} for name, value in typed.items()} | found
-    return found
+                given = {name: {"example": ast.unparse(value)} for name, value in typed.items()} | given
+    return given
 
 
 def _check_places(what: str, known: list[inspect.Parameter], args: tuple[Any, ...]) -> None:
