@@ -1,4 +1,4 @@
-"""A page of the explorer in a real browser, with every other host out of reach, and what went wrong on it."""
+"""A page of the explorer in a real browser, and what went wrong on it."""
 
 import contextlib
 from urllib.parse import urlsplit
@@ -17,19 +17,17 @@ class Page:
     def __init__(self, browser, explorer, **options):
         self.context = browser.new_context(**{"viewport": {"width": 1200, "height": 900}, "reduced_motion": "reduce", **options})
         self.explorer, self.errors, self.outside = explorer, [], []
-        self.context.route("**/*", self._inside)
         self.page = self.context.new_page()
+        self.page.on("request", self._asked)
         self.page.set_default_timeout(WAIT)
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
         self.page.on("console", lambda said: self.errors.append(said.text) if said.type == "error" else None)
 
-    def _inside(self, route):
-        """No host but ours can be reached."""
-        if urlsplit(route.request.url).netloc == urlsplit(self.explorer.address).netloc:
-            route.continue_()
-        else:
-            self.outside.append(route.request.url)
-            route.abort()
+    def _asked(self, request):
+        """What is asked of another host than ours, which the browser cannot reach."""
+        url = urlsplit(request.url)
+        if url.netloc and url.netloc != urlsplit(self.explorer.address).netloc:
+            self.outside.append(request.url)
 
     def open(self, hash=QUICK):
         self.page.goto(f"{self.explorer.address}#{hash}")
@@ -39,12 +37,8 @@ class Page:
     def settled(self, after=None):
         """Wait until the curves of a slider that rests are drawn, later ones than `after`."""
         old = -1 if after is None else after
-        self.page.locator("html[data-drawn$='fine']").wait_for(state="attached")
-        for _ in range(PATIENCE * 10):
-            if self.drawn() > old and self.attribute("html", "data-drawn").endswith("fine"):
-                return
-            self.page.wait_for_timeout(100)
-        raise AssertionError("nothing new was drawn")
+        drawn = "old => { const [n, how] = (document.documentElement.dataset.drawn ?? '-1').split(' '); return n > old && how === 'fine'; }"
+        self.page.wait_for_function(drawn, arg=old, polling=50)
 
     def drawn(self):
         """The number of the last answer that was drawn."""

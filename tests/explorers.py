@@ -5,8 +5,10 @@ import http.client
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -59,6 +61,25 @@ class Explorer:
         return pages * os.sysconf("SC_PAGE_SIZE")
 
 
+@contextlib.contextmanager
+def kernels_wait(explorer):
+    """Nothing is compiled within: the process that compiles for the explorer is stopped."""
+    children = Path(f"/proc/{explorer.process.pid}/task")
+    compiles = None
+    for _ in range(PATIENCE * 20):
+        pids = [pid for listed in children.glob("*/children") for pid in listed.read_text().split()]
+        compiles = next((pid for pid in pids if b"explorer.kernels" in Path(f"/proc/{pid}/cmdline").read_bytes()), None)
+        if compiles:
+            break
+        time.sleep(0.05)
+    assert compiles, "no process compiles"
+    os.kill(int(compiles), signal.SIGSTOP)
+    try:
+        yield
+    finally:
+        os.kill(int(compiles), signal.SIGCONT)
+
+
 def curves(id=1, fine=False, **state):
     return json.dumps({"channel": "curves", "id": id, "fine": fine, "state": state})
 
@@ -87,3 +108,16 @@ def chromium():
     if not found:
         pytest.skip("no Chromium was found: install Debian's package chromium, or set STICKSLIP_CHROMIUM to one")
     return found
+
+
+@contextlib.contextmanager
+def started_chromium():
+    """Chromium, which reaches no host but this one; the test is skipped with a sentence where it is missing."""
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: pip install playwright")
+    here_alone = "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"
+    path = chromium()
+    with (
+        playwright.sync_playwright() as p,
+        contextlib.closing(p.chromium.launch(executable_path=path, args=["--no-sandbox", here_alone])) as made,
+    ):
+        yield made

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from browsed import Page
-from explorers import Explorer, chromium
+from explorers import Explorer, started_chromium
 from rows import each_row
 from stickslip.basics.errors import InputError
 from stickslip.show.explorer.frames import unpacked
@@ -41,9 +41,7 @@ def explorer():
 
 @pytest.fixture(scope="module")
 def page(explorer):
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: pip install playwright")
-    path = chromium()
-    with playwright.sync_playwright() as p, contextlib.closing(p.chromium.launch(executable_path=path, args=["--no-sandbox"])) as browser:
+    with started_chromium() as browser:
         made = Page(browser, explorer, viewport={"width": 380, "height": 800})
         made.open()
         yield made

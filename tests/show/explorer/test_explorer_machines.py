@@ -12,7 +12,7 @@ import pytest
 
 import stickslip as ss
 from every import every_machine, with_bodies
-from explorers import PATIENCE, Explorer, answer, chromium
+from explorers import PATIENCE, Explorer, answer, started_chromium
 from rows import each_row
 from stickslip.basics.fields import leaves
 from stickslip.basics.number_names import numbers_meant
@@ -43,12 +43,8 @@ def explorer(file):
 
 @pytest.fixture(scope="module")
 def browser():
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: pip install playwright")
-    path = chromium()
-    with playwright.sync_playwright() as p:
-        made = p.chromium.launch(executable_path=path, args=["--no-sandbox"])
-        with contextlib.closing(made):
-            yield made
+    with started_chromium() as made:
+        yield made
 
 
 # ---- what is shown ----

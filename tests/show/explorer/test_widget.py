@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 from importlib import resources
 
 import pytest
 
 import stickslip as ss
-from explorers import chromium
+from explorers import started_chromium
 from rows import each_row
 
 pytest.importorskip("anywidget", reason='anywidget is not installed: pip install "stickslip[widget]"')
@@ -85,9 +84,7 @@ window.away = widget.render({ model: window.model, el: document.getElementById("
 
 @pytest.fixture(scope="module")
 def page():
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: pip install playwright")
-    path = chromium()
-    with playwright.sync_playwright() as p, contextlib.closing(p.chromium.launch(executable_path=path, args=["--no-sandbox"])) as browser:
+    with started_chromium() as browser:
         yield browser.new_page()
 
 

@@ -1,6 +1,5 @@
 """The paper, end to end: its table, its claims, its errata and the report, from one fast reproduction."""
 
-import contextlib
 import importlib.util
 import itertools
 import json
@@ -12,7 +11,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from explorers import chromium
+from explorers import started_chromium
 from house import ROOT
 from printed import entries_that_lead_astray, pictures_and_printed
 from rows import each_row
@@ -565,9 +564,7 @@ def nearest_colours(palette):
 
 @pytest.fixture(scope="module")
 def browser():
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: pip install playwright")
-    path = chromium()
-    with playwright.sync_playwright() as p, contextlib.closing(p.chromium.launch(executable_path=path, args=["--no-sandbox"])) as made:
+    with started_chromium() as made:
         yield made
 
 

@@ -1,6 +1,5 @@
 """Reports of runs and studies: one page that needs nothing else and says what was computed."""
 
-import contextlib
 import json
 import re
 from dataclasses import dataclass
@@ -11,7 +10,7 @@ import pytest
 
 import stickslip as ss
 from every import DRY, Capsule, every_machine
-from explorers import chromium
+from explorers import started_chromium
 from house import ROOT
 from printed import pictures_and_printed
 from rows import each_row
@@ -107,9 +106,7 @@ def test_a_study_of_several_laws_is_told_law_by_law():
 
 @pytest.fixture(scope="module")
 def browser():
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: pip install playwright")
-    path = chromium()
-    with playwright.sync_playwright() as p, contextlib.closing(p.chromium.launch(executable_path=path, args=["--no-sandbox"])) as made:
+    with started_chromium() as made:
         yield made
 
 
