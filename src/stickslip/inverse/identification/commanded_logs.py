@@ -30,7 +30,7 @@ _EXACT = 1e-6  # of the range of an angle: noise that is left to a simulation, o
 _KEPT = 256  # motions of each log that are remembered
 _RESTS = 1e-6  # of the largest velocity: less is that of a servo at rest
 _GAP = 3.0  # usual times between samples: what was commanded in a longer one nobody knows
-_FORGOTTEN = 0.1  # of the noise: by less than this an angle does not depend on that any more
+_FORGOTTEN = 8.0  # times by which a servo lags behind its command, after which it has forgotten a gap
 _FIRST, _VERY_FIRST = 8, 4  # samples at the beginning that say how fast the motion begins, and those of them that must go that way
 _MOVES = 5.0  # standard errors of that velocity above which the motion does not begin at rest
 
@@ -140,12 +140,15 @@ def command_log(model: Model, rec: Record, sigma: float | None, label: str) -> C
     if rate:
         notes.append(f"the motion begins with {rate:.3g} rad/s")
     log = CommandLog(t, y, level, weight, role, instants, command, np.searchsorted(instants, t), rate, label, sigma is not None)
-    log, said = _across_gaps(model, log, when, what)
+    log, said = _across_gaps(log, when, what)
     return replace(log, cut="; ".join(notes + said) or None)
 
 
-def _across_gaps(model: Model, log: CommandLog, when: Array, what: Array) -> tuple[CommandLog, list[str]]:
-    """A log in whose gaps the command goes on from sample to sample, without the angles for which that matters; and what was done."""
+def _across_gaps(log: CommandLog, when: Array, what: Array) -> tuple[CommandLog, list[str]]:
+    """A log in whose gaps the command goes on from sample to sample, without the angles for which that matters; and what was done.
+
+    A controller brings a servo back to its command; without one the angle after a gap is never known.
+    """
     from scipy.interpolate import PchipInterpolator
 
     steps = np.diff(log.instants)
@@ -158,9 +161,11 @@ def _across_gaps(model: Model, log: CommandLog, when: Array, what: Array) -> tup
     held = log.command[np.searchsorted(log.instants, instants[:-1], side="right") - 1]
     evenly = np.where(np.isin(instants[:-1], log.instants), held, PchipInterpolator(when, what, extrapolate=False)(instants[:-1]))
     evenly = np.where(np.isfinite(evenly), evenly, held)
-    at = np.searchsorted(instants, log.t)
-    angles = _motions(model, log.role, log.y[0], instants, np.stack([held, evenly]), log.rate)[:, at]
-    known = ~(abs(angles[1] - angles[0]) > _FORGOTTEN * log.sigma)
+    at, late = np.searchsorted(instants, log.t), _FORGOTTEN * _lag(log, usual)
+    known = np.ones(len(log.t), bool)  # the same for all laws, so that they can be compared
+    for k in gaps if log.role == "command" else gaps[:1]:
+        end = log.instants[k + 1] + late if log.role == "command" else np.inf
+        known &= (log.t <= log.instants[k]) | (log.t > end)
     if int(known.sum()) < _FEWEST:
         long = f"{counted(len(gaps), 'gap')} of up to {float(steps.max()):.3g} s"
         mend = "give the parts between them as records of their own: rec.segments()"
@@ -169,6 +174,15 @@ def _across_gaps(model: Model, log: CommandLog, when: Array, what: Array) -> tup
     lost = f" and {counted(int((~known).sum()), 'angle')} after that, which would depend on it, left out" if not known.all() else ""
     said = f"{counted(len(gaps), 'gap')} of up to {float(steps.max()):.3g} s: the command is interpolated there{lost}"
     return kept, [said]
+
+
+def _lag(log: CommandLog, step: float) -> float:
+    """By how much the angle follows its command later: where both are most alike, a sample at least and a second at most [s]."""
+    t = np.arange(log.t[0], log.t[-1], step)
+    goal = log.command[np.clip(np.searchsorted(log.instants, t, side="right") - 1, 0, len(log.command) - 1)]
+    angle = np.interp(t, log.t, log.y)
+    tried = range(1, int(np.clip(1.0 / step, 2, len(t) // 4)))
+    return step * (1 + int(np.argmin([np.mean((angle[k:] - goal[:-k]) ** 2) for k in tried])))
 
 
 def _motions(machines: Model, role: str, angle: Any, instants: Array, command: Array, rate: float, rtol: float = 1e-8) -> Any:
