@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from stickslip.basics.batch import numbers_by_name
 from stickslip.basics.contracts import Model
 from stickslip.engine import several_series
 from stickslip.engine.kinds import known_kind
@@ -65,5 +66,8 @@ def smooth_cases(todo: Request) -> Any:
 
     swings = swings_of(todo.model)
     assert not isinstance(swings, str)
-    most = swings.in_a_period({SPAN: todo.span} | todo.numbers_of())
+    numbers = {SPAN: todo.span} | todo.numbers_of()
+    if any(name not in numbers for name in swings.eq.names):  # another model takes the place of the one that was given
+        numbers = dict.fromkeys(swings.eq.names, 0.0) | numbers | numbers_by_name(todo.model, slice(None))
+    most = swings.in_a_period(numbers)
     return np.broadcast_to(np.ravel(most <= several_series.SMOOTH), (todo.cases,))
