@@ -184,7 +184,7 @@ def _abscissa(fit: Fit, record: int) -> tuple[Any, str]:
         factor, unit = prefix(moved - moved.mean())
         return (moved - moved.mean()) * factor, f"position ({unit}m)"
     if fit.problem.batched:
-        return target.t[target.at], "time (s)"
+        return target.moved()[0], "time (s)"
     return np.mod(fit.problem.model._phase(fit.point, record), 1.0), "drive periods"
 
 
