@@ -34,16 +34,16 @@ class SeveralSeries:
     inner_floor: float = 5.0  # error of an inner state: tolerance (floor times its scale + |z|)
     longest: float = 0.15  # of a period
     rise: float = 0.7  # of an exponential's argument in a step, for each order
+    looks: int = 2  # at guards in a step: steps of high order are long
 
 
 #: From which tolerance on (of the steps) each is used.
 SERIES = (
     (9e-7, SeveralSeries("Taylor10", 10)),
-    (1e-10, SeveralSeries("Taylor12", 12)),
-    (0.0, SeveralSeries("Taylor18", 18)),
+    (1e-10, SeveralSeries("Taylor12", 12, looks=3)),
+    (0.0, SeveralSeries("Taylor18", 18, looks=5)),
 )
 CUTS = 20  # of a step in which an exponential rises too far
-LOOKS_AT_GUARDS = 2  # of a step
 CALM = 0.01  # part of the error tolerated: how well a zero is found
 ROUNDING = 1e-14  # of the size of the terms of which a guard is the difference
 SECANTS = 12  # to the zero of a guard
@@ -341,9 +341,9 @@ class _SeriesWriter(RosenbrockWriter):
         for k in self.others:
             w.line(f"_least{k}", f"{literal(-ROUNDING)} * {self._size(self.eq.guards[k], self.start)}")
         looks = [(0.0, [self.guard_start[k] for k in self.others])]
-        for look in range(1, LOOKS_AT_GUARDS + 1):
-            w.line(f"_at{look}", f"{literal(look / LOOKS_AT_GUARDS)} * _reach")
-            looks.append((look / LOOKS_AT_GUARDS, self._guards_at(f"_at{look}")))
+        for look in range(1, self.method.looks + 1):
+            w.line(f"_at{look}", f"{literal(look / self.method.looks)} * _reach")
+            looks.append((look / self.method.looks, self._guards_at(f"_at{look}")))
         w.line("_lo", "0.0")
         w.line("_hi", "1.0")
         w.line("_gs", "1.0")
@@ -355,12 +355,12 @@ class _SeriesWriter(RosenbrockWriter):
             w.line("_off", f"{values[0]} <= 0.0 and {values[1]} < {values[0]} and {values[1]} < _least{k}")
             w.line("_sooner", "_off and not (_some and _lo <= 0.0 and _hi <= 0.0)")
             self._take(k, "0.0", "0.0", values[0], values[0])
-            for look in range(1, LOOKS_AT_GUARDS + 1):
+            for look in range(1, self.method.looks + 1):
                 before, after, begin = values[look - 1], values[look], f"_at{look - 1}"
                 w.line("_sooner", f"not _some or {begin} < _lo or ({begin} == _lo and {after} < _ge)")
                 w.line("_sooner", f"_sooner and {after} < _least{k} and {before} >= _least{k}")
                 self._take(k, begin, f"_at{look}", before, after)
-        for look in range(1, LOOKS_AT_GUARDS):
+        for look in range(1, self.method.looks):
             self._between(look, [values[look - 1 : look + 2] for values in zip(*(each for _, each in looks), strict=True)])
         w.line("_some", "_some and _ok")
         w.line("_seek", "_some and not _pre")
