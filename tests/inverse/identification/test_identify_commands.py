@@ -68,13 +68,7 @@ def test_friction_inertia_and_motor_of_a_servo_from_one_log():
     rest = fit.predicted[0] - rec["angle"].si
     assert np.std(rest) == pytest.approx(2 * np.pi / 4096 * np.hypot(0.3, 1 / np.sqrt(12)), rel=0.15)
     assert "angle: rms" in fit.report() and set(fit.sensor) == {"delay", "zero", "begin"}
-
-
-def test_a_gap_in_which_nobody_knows_the_command_leaves_out_what_depends_on_it():
-    """A tenth of a second is missing: angles that are left follow the interpolated command within their noise, those after the gap do not.
-
-    Such a fit is that of a servo by its model's name, and the gains of its controller are in volts.
-    """
+    # a tenth of a second is missing: what depends on the command in it is left out, and the rest follows the interpolated one
     t, goal, true = angles(M1, 1.0, sines, 4.0)
     y, there = shown(true, 5), (t < 2.0) | (t > 2.1)
     holes = command_log(servo(), ss.Record.of(t[there], {"command [rad]": goal[there], "angle [rad]": y[there]}), None, "record 0")

@@ -81,6 +81,18 @@ def test_what_other_noise_would_have_shown_is_as_far_off_as_the_motion_is():
     again, inside = np.std([swing.again(k).at(t, 2) - swing.at(t, 2) for k in range(8)], axis=0), swing.inside(t)
     ratio = [float(np.std(off[which]) / np.sqrt(np.mean(again[which] ** 2))) for which in (inside, ~inside)]
     assert ratio[0] < 1.5 < 2.0 < ratio[1] and 0.75 < np.mean(inside) < 0.98, ratio
+    # viscous friction over a noisy position, whose fit over other noise is a quotient: attenuation is in what the noise changes
+    t, rng = np.arange(0.0, 4.0, 4e-3), np.random.default_rng(3)
+    x, v = 1e-3 * np.sin(9.0 * t), 9e-3 * np.cos(9.0 * t)
+    seen = x + rng.normal(0.0, 3e-4, len(t))
+    rec = ss.Record.of(t, {"x [m]": seen, "F [N]": 50.0 * v + rng.normal(0.0, 1e-3, len(t))}, roles={"x": "position", "F": "force"})
+    fit = ss.identify(rec, ss.friction.Viscous, free={"viscous": (1.0, 400.0)}, load=1.0, starts=1, sensor={})
+    problem = fit.problem.model
+    own, again = (np.where(m.still, 0.0, m.at)[m.compared] for m in (each.targets[0] for each in (problem, problem.redrawn(5))))
+    moved = information_of(fit.problem, fit.jacobian).inverse[:, : fit.count] @ fit.changes[:, 5]
+    there = (again @ own) / (again @ again)  # of the slope over the other motion, in that over this one
+    attenuated = 1 - float(moved[0] * fit.slopes[0]) / fit.values["viscous"]
+    assert attenuated == pytest.approx(there, rel=1e-5) and abs(there - 1) > 2e-3
 
 
 def test_a_measured_velocity_is_used_where_it_agrees_with_the_position_and_named_where_not():
@@ -196,18 +208,3 @@ def test_a_chain_is_fitted_by_the_motion_of_the_body_that_is_named():
     fit = ss.identify(rec, chain, free=free, body="module 2", starts=4, sensor={})
     truth = chain.modules[1].friction.mu_plus
     assert abs(fit.values["modules.1.friction.mu_plus"] - truth) < 4 * fit.errors["modules.1.friction.mu_plus"]
-
-
-def test_noise_of_the_motion_is_in_the_derivatives_too():
-    """Viscous friction over a noisy position, whose fit over other noise is a quotient: attenuation is in what the noise changes."""
-    t, rng = np.arange(0.0, 4.0, 4e-3), np.random.default_rng(3)
-    x, v = 1e-3 * np.sin(9.0 * t), 9e-3 * np.cos(9.0 * t)
-    seen = x + rng.normal(0.0, 3e-4, len(t))
-    rec = ss.Record.of(t, {"x [m]": seen, "F [N]": 50.0 * v + rng.normal(0.0, 1e-3, len(t))}, roles={"x": "position", "F": "force"})
-    fit = ss.identify(rec, ss.friction.Viscous, free={"viscous": (1.0, 400.0)}, load=1.0, starts=1, sensor={})
-    problem = fit.problem.model
-    own, again = (np.where(m.still, 0.0, m.at)[m.compared] for m in (each.targets[0] for each in (problem, problem.redrawn(5))))
-    moved = information_of(fit.problem, fit.jacobian).inverse[:, : fit.count] @ fit.changes[:, 5]
-    there = (again @ own) / (again @ again)  # of the slope over the other motion, in that over this one
-    attenuated = 1 - float(moved[0] * fit.slopes[0]) / fit.values["viscous"]
-    assert attenuated == pytest.approx(there, rel=1e-5) and abs(there - 1) > 2e-3
