@@ -41,7 +41,7 @@ class SeveralSeries:
 SERIES = (
     (9e-7, SeveralSeries("Taylor10", 10)),
     (1e-10, SeveralSeries("Taylor12", 12, looks=3)),
-    (0.0, SeveralSeries("Taylor18", 18, looks=5)),
+    (0.0, SeveralSeries("Taylor18", 18, looks=5, longest=0.05)),
 )
 CUTS = 20  # of a step in which an exponential rises too far
 CALM = 0.01  # part of the error tolerated: how well a zero is found
