@@ -577,7 +577,7 @@ def test_everything_can_be_done_with_keys(page):
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("width", [380, 1200])
+@each_row("width", [380, 1200])
 def test_axe_finds_no_violation(browser, explorer, scheme, width):
     page = Page(browser, explorer, color_scheme=scheme, viewport={"width": width, "height": 900})
     page.open("law=lugre&also=coulomb")
@@ -683,7 +683,7 @@ def test_no_host_but_ours_is_asked_for_anything(page):
 
 
 # ---- make it faster ----
-@pytest.mark.parametrize("width", [1280, 380])
+@each_row("width", [1280, 380])
 def test_make_it_faster_moves_the_sliders_and_goes_back(browser, explorer, width):
     made = Page(browser, explorer, viewport={"width": width, "height": 900})
     with contextlib.closing(made.context):
@@ -755,7 +755,7 @@ def test_a_finger_hits_every_control_of_a_phone(browser, explorer):
         assert small == []
 
 
-@pytest.mark.parametrize("width", [380, 1280])
+@each_row("width", [380, 1280])
 def test_the_page_is_no_wider_than_the_screen_and_all_sliders_can_be_reached(browser, explorer, width):
     page = Page(browser, explorer, viewport={"width": width, "height": 800}, device_scale_factor=2)
     with contextlib.closing(page.context):
