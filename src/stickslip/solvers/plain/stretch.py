@@ -62,12 +62,12 @@ class _Step:
     def guards(self, t: float) -> list[float]:
         return [guard.value for guard in guards(self.equations, t, self.dense(t), self.mode, with_noise=False)]
 
-    def first_event(self, before: list[Guard], after: list[Guard], fresh: set[int]) -> tuple[float, int] | None:
+    def first_event(self, before: list[Guard], fresh: set[int]) -> tuple[float, int] | None:
         """Time and number of the guard that falls to zero first; `fresh` ones have just begun at zero and rise."""
         looks = np.arange(-1, (count := self._looks()) + 2) / count
         times = self.start + looks * (self.end - self.start)
-        at_ends = {0.0: [guard.value for guard in before], 1.0: [guard.value for guard in after]}
-        values = np.array([at_ends.get(look) or self.guards(t) for look, t in zip(looks.tolist(), times.tolist(), strict=True)])
+        first = [guard.value for guard in before]
+        values = np.array([first if look == 0.0 else self.guards(float(t)) for look, t in zip(looks, times, strict=True)])
         first_zero: tuple[float, int] | None = None
         for k, guard in enumerate(before):
             end = self.end if first_zero is None else first_zero[0]
@@ -156,12 +156,11 @@ def integrate(
             done.t, done.y, done.fired = float(solver.t), solver.y.copy(), [guard for guard in before if guard.sort == "load"][:1]
             return done
         done.steps += 1
-        after = guards(equations, step.end, step.after, mode)
-        event = step.first_event(before, after, fresh)
+        event = step.first_event(before, fresh)
         if event is not None:
             done.evaluations += solver.nfev
             return _landed(todo, equations, step, event, done)
-        before, fresh = after, set()
+        before, fresh = guards(equations, step.end, step.after, mode), set()
         done.parts.append(step.part())
         if done.steps >= left(step.end):
             end = step.end
