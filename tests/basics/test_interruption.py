@@ -229,10 +229,12 @@ def test_an_interrupted_first_import_does_not_poison_the_process(after):
         f"""
         import os, signal, threading
         import stickslip as ss
-        threading.Timer({after}, os.kill, (os.getpid(), signal.SIGINT)).start()
+        pressed = threading.Timer({after}, os.kill, (os.getpid(), signal.SIGINT))
+        pressed.start()
         robot = dict(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb")
         try:
             ss.solve(ss.presets.piezo_rig(**robot), periods=20)
+            pressed.join()
         except KeyboardInterrupt:
             pass
         print(round(ss.mean_velocity(ss.solve(ss.presets.piezo_rig(**robot), periods=20)), 9))

@@ -331,6 +331,6 @@ def test_lanes_have_room_for_every_column_that_the_driver_names():
 
     text = ast.parse(Path(columns.__file__).read_text(encoding="utf-8"))
     named = [[name.id for name in node.targets[0].elts] for node in text.body if isinstance(getattr(node, "value", None), ast.Call)]
-    ends = [("CASE", "SEGMENTS"), ("TQ", "BEFORE"), ("NEXT", "WHOLE"), ("RTOL", "BUDGET_OF_STEPS"), ("TOTAL", "SMALLEST")]
+    ends = [("CASE", "SEGMENTS"), ("TQ", "SINCE"), ("NEXT", "WHOLE"), ("RTOL", "BUDGET_OF_STEPS"), ("TOTAL", "SMALLEST")]
     assert [(names[0], names[-1]) for names in named] == ends
     assert f"SEGS = {columns.SEGS} " in kernel_text("coulomb_harmonic_looks")

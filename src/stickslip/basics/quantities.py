@@ -258,7 +258,7 @@ def symbol_text(latex: str) -> str:
     Examples
     --------
     >>> [symbol_text(s) for s in (r"\mu_{+}", "v_{s}", "z_{ba}", r"\varphi", "D_{c}", r"u_{\mathrm{max}}")]
-    ['μ₊', 'vₛ', 'z_ba', 'φ', 'D_c', 'u_max']
+    ['μ₊', 'vₛ', 'z_ba', 'φ', 'D_c', 'uₘₐₓ']
     """
     upright = re.sub(r"\\mathrm\{([^{}]*)\}", r"\1", latex)
     text = re.sub(r"\\(?:var)?([A-Za-z]+)", _greek, upright).replace(" ", "")

@@ -90,7 +90,7 @@ def _sizes(k: PlainKernel) -> dict[str, tuple[int, ...]]:
         "JOB": (columns.WHOLE + 1,),
         "LIMITS": (columns.BUDGET_OF_STEPS + 1,),
         "N": (1, columns.SEGMENTS),
-        "K": (1, columns.BEFORE + 1),
+        "K": (1, columns.SINCE + 1),
         "PARAM": (1, max(len(k.eq.names), 1)),
         "START": (1, 1 + n + kept),
         "PIECES": (1, 4 + k.eq.sides + kept + n * (k.step.degree + 1)),

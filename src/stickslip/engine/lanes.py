@@ -374,7 +374,7 @@ def _shapes(k: Kernel, cases: int, at_work: int, parts: int, signals: int, place
         "SEGT": (cases, parts * columns.SEGS),
         "SEGC": (cases, parts * columns.SEGS),
         "N": (at_work, columns.SEGMENTS + parts),
-        "K": (at_work, columns.BEFORE + 1),
+        "K": (at_work, columns.SINCE + 1),
         "RING": (at_work, KEPT, 1 + n + k.modes + columns.BESIDE),
         "XS": (at_work, LONGEST + 1, places),
         "HELD": (at_work, k.held),

@@ -59,7 +59,7 @@ class RosenbrockWriter(EventWriter):
         scalars = ["t", "h", "tend", "x", "le", "lh", "grow"]
         fields = scalars + [f"y{i}" for i in n] + [f"b{k}" for k in g] + [f"on{k}" for k in g] + [f"m{i}" for i in n if i]
         fields += [f"mode{i}" for i in range(len(self.eq.modes))] + [f"clk{k}" for k in range(len(self.eq.clocks))]
-        fields += ["stat", "nacc", "nrej", "ratio", "acc"]
+        fields += ["stat", "nacc", "nrej", "ratio"]
         kept = n if self.record or self.eq.signals else (0,)
         fields += ["t0", "hh", *(f"k{i}_{m}" for i in kept for m in range(self.degree + 1)), *ended_by(self.eq)]
         if self.record:
@@ -93,7 +93,6 @@ class RosenbrockWriter(EventWriter):
         self.guard_start = [self.w.value(e, start) for e in self.eq.guards]
         self.guard_rate = [self.w.value(e, start) for e in self.eq.guard_rates]
         self.scale_v = self.w.value(self.eq.velocity_scale, start)
-        self.w.line("_acc", f"1.0 * {self.f[0]}")
         if not self.eq.contacts:
             self.w.line("_ratio", "1.0")
             return

@@ -148,7 +148,7 @@ class _SeriesWriter(RosenbrockWriter):
         fields = ["t", "tend", "x", "lim", *(f"y{i}" for i in n), *(f"b{k}" for k in g), *(f"on{k}" for k in g)]
         fields += [*(f"m{i}" for i in n if i), *(f"mode{i}" for i in range(len(eq.modes))), *(f"clk{k}" for k in range(len(eq.clocks)))]
         kept = n if self.record or eq.signals else (0,)
-        fields += ["stat", "nacc", "nrej", "ratio", "acc", "t0", "hh", *(f"k{i}_{m}" for i in kept for m in range(self.degree + 1))]
+        fields += ["stat", "nacc", "nrej", "ratio", "t0", "hh", *(f"k{i}_{m}" for i in kept for m in range(self.degree + 1))]
         fields += ended_by(eq)
         if self.record:
             fields += ["x0", *sides(eq), *(f"held{i}" for i in range(len(eq.modes)))]

@@ -63,7 +63,7 @@ LEAST = 1e-3  # part of what counts as slaved to which refusals may lower it
 SHORTER = 4  # times that a step is shortened before it is refused
 SLACK = 2.0  # by how much less z may be slaved at a step's end
 CUTS = 20  # of a step in which an exponential rises too far
-NOTED = ("ratio", "tail", "acc", "t0", "hh", "top")  # of a step, where somebody looks
+NOTED = ("ratio", "tail", "t0", "hh", "top")  # of a step, where somebody looks
 TINY = 1e-14  # of the velocity scale: below it a velocity is zero
 
 
@@ -138,10 +138,9 @@ class _StepWriter:
         w.line("_below", f"abs(_lim) if _lim != 0.0 else {literal(self.k.slaved)}")
 
     def _look_at_start(self) -> None:
-        """Values recorded at the start of a step if the lane is observed: the acceleration and the slip ratio."""
+        """Values recorded at the start of a step if the lane is observed: the slip ratio."""
         w = self.w
         self._looking("0.5")
-        w.line("_acc[0]", f"1.0 * {self.f[0]}")
         small = f"abs(_y0) < {literal(100 * TINY)} * {self._value(self.eq.velocity_scale)}"
         w.line("_ratio[0]", f"0.0 if {small} else 1.0 - {self.f[1]} / (1.0 if {small} else _y0)")
         w.end()

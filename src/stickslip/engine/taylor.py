@@ -107,7 +107,6 @@ class _SeriesWriter:
         self.period = self._value(self.eq.period)
         wanted = [*(guard for _, guard in self.watched), *(node.args[0] for node in self.rising), *self.quotients]
         self.rows = write_rows(self.eq.y, self.eq.f, wanted, self.w, self.start, self.order)
-        self.w.line("_acc", f"1.0 * {self._value(self.eq.f[0])}")
         self.w.line("_ratio", "1.0")
         self._length()
         self._polynomials()
@@ -122,7 +121,7 @@ class _SeriesWriter:
     def _fields(self) -> list[str]:
         eq, states, orders = self.eq, range(self.eq.states), range(self.order + 1)
         fields = ["t", "tend", "x", *(f"y{i}" for i in states), *(f"b{k}" for k in range(eq.signs)), *(s.name for s in eq.modes)]
-        fields += [*(f"clk{k}" for k in range(len(eq.clocks))), *(f"m{i}" for i in states if i), "stat", "nacc", "nrej", "ratio", "acc"]
+        fields += [*(f"clk{k}" for k in range(len(eq.clocks))), *(f"m{i}" for i in states if i), "stat", "nacc", "nrej", "ratio"]
         fields += ["t0", "hh", "x0", *sides(eq), "last", "top", *ended_by(eq), *(f"k{i}_{m}" for i in states for m in orders)]
         searched = [*(f"g{k}" for k in range(len(self.watched))), *(f"e{k}" for k in range(len(self.rising)))]
         return fields + [f"{row}_{m}" for row in searched for m in orders] + [f"clear{k}" for k in range(len(searched))]

@@ -22,6 +22,7 @@ from stickslip.dynamics.attractors.motion_features import Features, features_of
 from stickslip.dynamics.attractors.period_numbers import return_tolerance
 from stickslip.dynamics.attractors.settled_motions import LIMIT, Settling, settled_motions
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, flight, spread_over, state_at, strobe_orbit
+from stickslip.models.machine_adapter import machine_of
 
 _LATER = (0.5, 0.0)  # of a drive period: by how much later the image of a motion is
 _PERIODS = 3  # over which an image has to be a motion
@@ -75,11 +76,11 @@ def image_in_words(own: int, image: int | None) -> str:
 
 def _may_be_symmetric(model: Any, at: Coordinates) -> bool:
     """Whether accelerations do not speak against it, at the same time or half a period later; laws are asked by motions."""
-    if (m := at.mechanics) is None:  # a flow may be anything
+    if at.mechanics is None:  # a flow may be anything
         return True
     if at.memories:
         return False
-    T = float(model.period)
+    m, T = machine_of(model).mechanics, float(model.period)  # of this one, where `at` is that of a batch
     for later in _LATER:
         pairs = []
         for part, v in _MOMENTS:

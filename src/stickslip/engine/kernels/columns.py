@@ -5,11 +5,10 @@
 # accepted and rejected until the last look at the progress, whether the present period is one of the window once more, and of each
 # contact how many segments there are
 CASE, DONE, RECORDING, TARGET, NUMBER, FRESH, CLOSING, STATUS, ACCEPTED, REJECTED, AGAIN, SEGMENTS = range(12)
-# columns of K (lane): the last two observed points, window, work of friction while recording and how long,
-# displacement approached; part of the last step after which slip begins or ends;
-# periods done at the last look at the progress, with the part of the present one; acceleration before a break of the drive at the last
-# point (NaN: it has no break)
-TQ, VQ, AQ, RQ, BQ, TP, VP, BP, VMAX, VMIN, DISPLACEMENT, WINDOW, WORK, LASTED, LIMIT, PART, SINCE, BEFORE = range(18)
+# columns of K (lane): the last two observed points (of the first when, whether it slips, and which way), window, work of friction while
+# recording and how long, displacement approached; part of the last step after which slip begins or ends;
+# periods done at the last look at the progress, with the part of the present one
+TQ, RQ, BQ, TP, VP, BP, VMAX, VMIN, DISPLACEMENT, WINDOW, WORK, LASTED, LIMIT, PART, SINCE = range(15)
 # JOB: the next case, the end of cases, pieces written; then what to do with every case, and whether each period must be made
 NEXT, END, WRITTEN, PERIODS, SETTLE, AUTO, WHOLE = range(7)
 # LIMITS: tolerance, slip ratio from which on a contact slips, steps of a case

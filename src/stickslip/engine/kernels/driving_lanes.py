@@ -56,7 +56,7 @@ def take(lane, case, S, W, D):
         N[lane, j] = 0
     for j in range(K.shape[1]):
         K[lane, j] = 0.0
-    K[lane, PART], K[lane, BEFORE] = -1.0, math.nan
+    K[lane, PART] = -1.0
     K[lane, LIMIT] = math.nan
     N[lane, CASE] = case
 
@@ -66,11 +66,9 @@ def pass_instant(lane, S, W, D):
     """At a known instant: what was observed ends before an impulse, and begins anew after it."""
     N, K, PARAM = N_of(W), K_of(W), PARAM_of(W)
     if not is_thrown(lane, S, D):
-        if N[lane, RECORDING] == 1 and N[lane, FRESH] == 1 and D[SIGNALS] == 0:
-            K[lane, BEFORE] = rate_before(lane, S, D)
         return
     if N[lane, RECORDING] == 1 and N[lane, FRESH] == 1:
-        observe(lane, 0.0, K[lane, RQ], S[D[F_C] + D[PERIOD] * D[LANES] + lane], W, D)
+        observe(lane, K[lane, RQ], S[D[F_C] + D[PERIOD] * D[LANES] + lane], W, D)
     apply_jump(lane, S, PARAM[N[lane, CASE]], D)
     widen_by_present(lane, S, D)
     if N[lane, RECORDING] == 1:
@@ -370,9 +368,11 @@ def watch(lane, S, W, D):
         K[lane, LASTED] += S[D[F_T] + lane] - S[D[F_T0] + lane]
     if D[F_TOP] >= 0 and N[lane, CLOSING] == 0:
         K[lane, VMAX], K[lane, VMIN] = max(K[lane, VMAX], S[D[F_TOP] + lane]), min(K[lane, VMIN], S[D[F_TOP] + lane])
+    elif N[lane, CLOSING] == 0 and S[D[F_T] + lane] != S[D[F_T0] + lane]:
+        note_turns(lane, S, W, D)
     if N[lane, FRESH] > 0:
         period = S[D[F_C] + D[PERIOD] * D[LANES] + lane]
-        observe(lane, S[D[F_ACC] + lane], S[D[F_RATIO] + lane], period, W, D)
+        observe(lane, S[D[F_RATIO] + lane], period, W, D)
         if N[lane, CLOSING] == 1:
             S[D[F_STAT] + lane] = 7.0
             return

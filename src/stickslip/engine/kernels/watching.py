@@ -63,9 +63,9 @@ def turned(lane, slip_ratio, S, D):
     return high
 
 
-@typed(void(int64, float64, float64, float64, int64, i1))
-def observe(lane, acceleration, ratio, period, W, D):
-    """The stretch from the last observed point Q to the new one P, whose slopes are known only now."""
+@typed(void(int64, float64, float64, int64, i1))
+def observe(lane, ratio, period, W, D):
+    """The stretch from the last observed point Q to the new one P, whose ratio of slip is known only now."""
     N, K, slip_ratio = N_of(W), K_of(W), LIMITS_of(W)[SLIP_RATIO]
     t, v, b = K[lane, TP], K[lane, VP], K[lane, BP]
     if N[lane, FRESH] == 1:
@@ -81,35 +81,24 @@ def observe(lane, acceleration, ratio, period, W, D):
             add_segment(lane, 0, side if slips else 2 * side, (1.0 - part) * dt, W)
         else:
             add_segment(lane, 0, 2 * side if slips else side, dt, W)
-        top = v
-        aq, ap = K[lane, AQ], K[lane, BEFORE]
-        if ap != ap:
-            ap = acceleration
-        if D[F_TOP] < 0 and aq * ap < 0.0:  # an extremum of v between: the cubic's
-            d0, d1, rise = aq * dt, ap * dt, v - K[lane, VQ]
-            a, bb = 3.0 * (d0 + d1 - 2.0 * rise), 2.0 * (3.0 * rise - 2.0 * d0 - d1)
-            root = math.sqrt(max(bb * bb - 4.0 * a * d0, 0.0))
-            q = -0.5 * (bb + (root if bb >= 0.0 else -root))
-            s = d0 / q if q != 0.0 else 0.5
-            if not (s > 0.0 and s < 1.0):
-                s = q / a if a != 0.0 else 0.5
-            if s > 0.0 and s < 1.0:
-                top = K[lane, VQ] + s * (d0 + s * (0.5 * bb + s * a / 3.0))
-        K[lane, VMAX] = max(K[lane, VMAX], max(v, top))
-        K[lane, VMIN] = min(K[lane, VMIN], min(v, top))
+        K[lane, VMAX], K[lane, VMIN] = max(K[lane, VMAX], v), min(K[lane, VMIN], v)
     K[lane, TQ] = 0.0 if t >= period else t  # the end of a period is the beginning of the next
-    K[lane, VQ], K[lane, AQ], K[lane, RQ], K[lane, BQ] = v, acceleration, ratio, b
-    K[lane, BEFORE] = math.nan
+    K[lane, RQ], K[lane, BQ] = ratio, b
     N[lane, FRESH] = 0
 
 
-@typed(float64(int64, f1, i1))
-def rate_before(lane, S, D):
-    """The acceleration with which the last step ended, by its polynomial: behind a break of the drive it is another."""
-    L, rate = D[LANES], 0.0
-    for m in range(1, D[DEGREE] + 1):
-        rate += m * S[D[F_K] + lane + m * L]
-    return rate / S[D[F_HH] + lane]
+@typed(void(int64, f1, int64, i1))
+def note_turns(lane, S, W, D):
+    """Widen the extremes of the observed motion by where the velocity turns within the last step, in quarters of it."""
+    K, at, part, begin = K_of(W), D[F_K] + lane, part_made(lane, S, D), 0.0
+    before = S[at + D[LANES]]
+    for quarter in range(1, 5):
+        end = 0.25 * quarter * part
+        slope = slope_on_step(at, end, S, D)
+        if before * slope < 0.0:
+            v = value_where_it_turns(at, begin, end, before, begin + (end - begin) * before / (before - slope), S, D)
+            K[lane, VMAX], K[lane, VMIN] = max(K[lane, VMAX], v), min(K[lane, VMIN], v)
+        begin, before = end, slope
 
 
 @typed(float64(int64, int64, f1, i1))

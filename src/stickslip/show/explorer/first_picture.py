@@ -68,5 +68,7 @@ class _AllReady(Kernels):
 
 
 if __name__ == "__main__":
+    from stickslip.basics.whole_files import unwritable, write_whole
+
     with as_file(_FILE) as path:
-        path.write_bytes(solved())
+        write_whole(path, solved(), unwritable("first_picture"))
