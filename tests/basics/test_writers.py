@@ -322,7 +322,7 @@ def test_a_write_that_fails_leaves_the_old_file_whichever_it_is(name, tmp_path, 
     writer(path)
     count, kept = -OneFails.left, {p.name: p.read_bytes() for p in tmp_path.iterdir()}
     assert count > 0 and kept[name] != b"old"
-    for k in sorted({1, 2, count // 3, count // 2, count - 1, count} & set(range(1, count + 1))):
+    for k in sorted({1, count // 2, count} & set(range(1, count + 1))):
         OneFails.left = k
         with pytest.raises(StickslipError, match="free some space") as refused:
             writer(path)

@@ -24,6 +24,21 @@ amplitude = [5e-4, 8e-4]
 mu0 = [0.05, 0.5]
 """
 
+MINE = """
+from dataclasses import dataclass
+from stickslip.maths import where
+
+@dataclass(frozen=True)
+class Mine:
+    mu: float
+
+    def sliding(self, v, load):
+        return where(v > 0, self.mu, -self.mu) * load + 0.5 * v
+
+    def breakaway(self, load):
+        return -self.mu * load, self.mu * load
+"""
+
 
 def commands(page):
     """The lines of a page's shell blocks that call stickslip and are not transcripts."""
@@ -50,6 +65,8 @@ def prepared(page):
             rec = ss.virtual_rig(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=amplitude, mu0=0.17, f0=0.22), noise=1e-3, seed=i, periods=8)
             columns = np.column_stack([rec["velocity"].time, 1e3 * rec["velocity"].si])
             np.savetxt(f"run{i}.csv", columns, delimiter=",", header="t [s],LDV [mm/s]", comments="")
+    if page.stem == "bench":  # a law of the reader's own
+        Path("mine.py").write_text(MINE, encoding="utf-8")
     if page.stem.endswith(("-its-log", "-its-csv")):  # the first block of its own Python code writes the file
         exec(blocks(page, "python")[0].text, {})
     if page.stem == "on-a-cluster":

@@ -181,10 +181,10 @@ def test_mean_velocities_alone_tell_one_parameter():
     assert fit.values["mu0"] == pytest.approx(0.18, abs=1e-4)  # the amplitudes are printed to four digits
 
 
-def test_a_rotten_start_does_not_matter(both_laws):
+def test_a_rotten_start_does_not_matter(fit):
     """Another seed of the multistart ends in the same place."""
-    again = ss.identify(records(1e-4), rig, free=FREE, tilt_deg=1.7, amplitude=TWO, seed=2)
-    assert again.values["mu0"] == pytest.approx(both_laws["lugre"].values["mu0"], rel=1e-4)
+    again = ss.identify(records(1e-3), rig, free=FREE, tilt_deg=1.7, amplitude=TWO, harmonics=0, seed=2)
+    assert again.values["mu0"] == pytest.approx(fit.values["mu0"], rel=1e-4)
 
 
 def test_a_wrong_law_is_seen_in_the_residuals(both_laws):
