@@ -121,6 +121,15 @@ def pytest_xdist_make_scheduler(config, log):
     return None
 
 
+@pytest.fixture(scope="module")
+def browser():
+    """Chromium, for the tests of a file."""
+    from explorers import started_chromium
+
+    with started_chromium() as made:
+        yield made
+
+
 @pytest.fixture
 def every_report(monkeypatch):
     """Progress is reported however soon it comes after the last report: a test that says stop does not race a fast machine."""

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from browsed import Page
-from explorers import Explorer, started_chromium
+from explorers import Explorer
 from rows import each_row
 from stickslip.basics.errors import InputError
 from stickslip.show.explorer.frames import unpacked
@@ -40,13 +40,12 @@ def explorer():
 
 
 @pytest.fixture(scope="module")
-def page(explorer):
-    with started_chromium() as browser:
-        made = Page(browser, explorer, viewport={"width": 380, "height": 800})
-        made.open()
-        yield made
-        assert made.errors == [] and made.outside == []
-        made.context.close()
+def page(browser, explorer):
+    made = Page(browser, explorer, viewport={"width": 380, "height": 800})
+    made.open()
+    yield made
+    assert made.errors == [] and made.outside == []
+    made.context.close()
 
 
 def drop(page, files):

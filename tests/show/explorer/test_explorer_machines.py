@@ -12,7 +12,7 @@ import pytest
 
 import stickslip as ss
 from every import every_machine, with_bodies
-from explorers import PATIENCE, Explorer, answer, started_chromium
+from explorers import PATIENCE, Explorer, answer
 from rows import each_row
 from stickslip.basics.fields import leaves
 from stickslip.basics.number_names import numbers_meant
@@ -38,12 +38,6 @@ def file(tmp_path_factory):
 def explorer(file):
     made = Explorer(str(file))
     with contextlib.closing(made):
-        yield made
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with started_chromium() as made:
         yield made
 
 

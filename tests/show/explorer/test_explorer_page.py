@@ -16,7 +16,7 @@ from matplotlib import image
 
 import stickslip as ss
 from browsed import QUICK, Page
-from explorers import Explorer, kernels_wait, started_chromium
+from explorers import Explorer, kernels_wait
 from rows import each_row
 from stickslip.show.explorer.exports import EXPORTS
 from stickslip.show.explorer.from_robot import hash_of, state_of
@@ -26,12 +26,6 @@ from stickslip.show.explorer.requests import State, state
 from stickslip.show.explorer.sliders import PARAMETERS
 
 AXE = Path(__file__).parents[2] / "vendor" / "axe.min.js"
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with started_chromium() as made:
-        yield made
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,6 @@ from importlib import resources
 import pytest
 
 import stickslip as ss
-from explorers import started_chromium
 from rows import each_row
 
 pytest.importorskip("anywidget", reason='anywidget is not installed: pip install "stickslip[widget]"')
@@ -83,9 +82,8 @@ window.away = widget.render({ model: window.model, el: document.getElementById("
 
 
 @pytest.fixture(scope="module")
-def page():
-    with started_chromium() as browser:
-        yield browser.new_page()
+def page(browser):
+    return browser.new_page()
 
 
 def mounted(page, w, **changes):

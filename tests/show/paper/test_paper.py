@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from explorers import started_chromium
 from house import ROOT
 from printed import entries_that_lead_astray, pictures_and_printed
 from rows import each_row
@@ -560,12 +559,6 @@ def nearest_colours(palette):
 
 
 # in a browser -------------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with started_chromium() as made:
-        yield made
 
 
 @each_row("width", [1280, 380])

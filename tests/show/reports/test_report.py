@@ -10,7 +10,6 @@ import pytest
 
 import stickslip as ss
 from every import DRY, Capsule, every_machine
-from explorers import started_chromium
 from house import ROOT
 from printed import pictures_and_printed
 from rows import each_row
@@ -102,12 +101,6 @@ def test_a_study_of_several_laws_is_told_law_by_law():
 
 
 # in a browser -----------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with started_chromium() as made:
-        yield made
 
 
 @pytest.fixture(scope="module")
