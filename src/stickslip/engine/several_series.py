@@ -21,7 +21,7 @@ from stickslip.engine.system import System
 from stickslip.engine.tableaux import Control
 from stickslip.engine.unforeseen import active
 from stickslip.engine.values import Arithmetic, needed_by, values_of
-from stickslip.engine.write import LOG_OF_BITS, Writer, horner, literal
+from stickslip.engine.write import LOG_OF_BITS, Writer, horner, literal, write_length
 
 
 @dataclass(frozen=True)
@@ -195,14 +195,8 @@ class _SeriesWriter(RosenbrockWriter):
     def _wish(self) -> None:
         """_hh: where the last two terms of some series fall to what is tolerated."""
         w = self.w
-        for m, power in ((self.degree - 1, "_first"), (self.degree, "_power")):
-            for i in range(self.active):
-                w.line("_other", f"_is{i} * abs({self.rows[i]}[{m}])")
-                w.line("_term", "_term if _term > _other else _other" if i else "1.0 * _other")
-            w.line(power, f"(4607182418800017408.0 - as_bits(_term)) * {literal(float(LOG_OF_BITS) / m)}")
-        w.line("_power", "_power if _power < _first else _first")
-        w.line("_power", "_power if _power < 900.0 else 900.0")
-        w.line("_hh", "as_float(np.int64(fma(_power, 4503599627370496.0, 4606988764016040448.0)))")
+        weighed = [(self.rows[i], f"_is{i}") for i in range(self.active)]
+        write_length(w, weighed, self.degree, "4607182418800017408.0", "_hh")  # bits of 1.0
         w.line("_hh", "_hh if _hh < _longest else _longest")
         w.line("_hh", "_lim if (_lim > 0.0 and _lim < _hh) else _hh")
 
@@ -231,8 +225,7 @@ class _SeriesWriter(RosenbrockWriter):
         w.line("_part", f"{literal(1 / LOOKS)} * _hh")
         for k, (row, _) in enumerate(rising):
             rise = ["0.0", *(f"{row}[{m}]" for m in range(1, n + 1))]
-            slope = [f"{row}[1]", *(f"{m}.0 * {row}[{m}]" for m in range(2, n + 1))]
-            bend = [f"2.0 * {row}[2]", *(f"{m * (m - 1)}.0 * {row}[{m}]" for m in range(3, n + 1))]
+            slope, bend = _derivatives([f"{row}[{m}]" for m in range(n + 1)])
             w.line("_at", "0.0")
             w.line("_turn", f"1.0 * {row}[1]")
             for look in range(1, LOOKS + 1):
@@ -244,13 +237,18 @@ class _SeriesWriter(RosenbrockWriter):
                 w.line("_peak", "_from > 0.0 and _turn < 0.0 and _asked")
                 w.begin("if _peak")
                 w.line("_top", "_was + _part * (_from / (_from - _turn if _peak else 1.0))")
-                for _ in range(PEAKS):
-                    w.line("_bends", horner(bend, "_top"))
-                    w.line("_next", f"_top - ({horner(slope, '_top')}) / (_bends if _bends != 0.0 else 1.0)")
-                    w.line("_top", "_next if (_next > _was and _next < _at) else _top")
+                self._approach("_top", slope, bend, "_was", "_at")
                 w.line("_far", f"_far or (_peak and {horner(rise, '_top')} > _low{k})")
                 w.end()
         w.line("_far", "_far and _asked")
+
+    def _approach(self, x: str, slope: list[str], bend: list[str], begin: str, end: str) -> None:
+        """Lines for x: where a polynomial turns between two points, by Newton's method from x on."""
+        w = self.w
+        for _ in range(PEAKS):
+            w.line("_bend", horner(bend, x))
+            w.line("_tn", f"{x} - ({horner(slope, x)}) / (_bend if _bend != 0.0 else 1.0)")
+            w.line(x, f"_tn if (_tn > {begin} and _tn < {end}) else {x}")
 
     def _polynomials(self) -> None:
         w = self.w
@@ -289,8 +287,7 @@ class _SeriesWriter(RosenbrockWriter):
     def _slip(self, k: int, i: int) -> None:
         """Where a slip leaves its side, if it does so before what was found until now."""
         w, n, side = self.w, self.degree, f"_b{k}"
-        rate = [f"_k{i}_1", *(f"{m}.0 * _k{i}_{m}" for m in range(2, n + 1))]
-        bend = [f"2.0 * _k{i}_2", *(f"{m * (m - 1)}.0 * _k{i}_{m}" for m in range(3, n + 1))]
+        rate, bend = _derivatives([f"_k{i}_{m}" for m in range(n + 1)])
         w.line("_first", f"_y{i} * {side}")
         w.line("_fall", f"_k{i}_1 * {side}")
         w.line("_last_rate", f"({horner(rate, '1.0')}) * {side}")
@@ -299,10 +296,7 @@ class _SeriesWriter(RosenbrockWriter):
         w.line("_dip", "_fall < 0.0 and _last_rate > 0.0 and _deep >= _calm")
         w.begin("if _dip")
         w.line("_tx", "_fall / (_fall - _last_rate if _dip else -1.0)")
-        for _ in range(PEAKS):
-            w.line("_bend", horner(bend, "_tx"))
-            w.line("_tn", f"_tx - ({horner(rate, '_tx')}) / (_bend if _bend != 0.0 else 1.0)")
-            w.line("_tx", "_tn if (_tn > 0.0 and _tn < 1.0) else _tx")
+        self._approach("_tx", rate, bend, "0.0", "1.0")
         w.line("_low", f"({self._at(f'_k{i}', '_tx')}) * {side}")
         w.line("_dip", "_dip and _low < _calm")
         w.line("_hi", "_tx if _dip else _hi")
@@ -416,7 +410,7 @@ class _SeriesWriter(RosenbrockWriter):
         for name, value in (("_xa", "_lo"), ("_ga", "_gs"), ("_xb", "_hi"), ("_gb", "_ge"), ("_pv", "_gs")):
             w.line(name, f"1.0 * {value}")
         w.begin(f"for q in while_any(_seek, {SECANTS})")
-        w.line("_pv", self._that_goes(self._guards_at("_th")))
+        w.line("_pv", self._chosen(self._guards_at("_th"), self.others))
         w.line("_up", "_pv > 0.0")
         w.line("_lo", "_th if (_up and _seek) else _lo")
         w.line("_hi", "_hi if (_up or not _seek) else _th")
@@ -437,13 +431,6 @@ class _SeriesWriter(RosenbrockWriter):
             w.line("_missed", f"_some and _which != {k}.0 and {self.guard_start[k]} > 0.0 and {values[number]} < 1e6 * _least{k}")
             w.line("_conv", "_conv and not _missed")
 
-    def _that_goes(self, values: list[str]) -> str:
-        """That of the guard which goes first."""
-        w, text = self.w, "0.0"
-        for k, value in zip(self.others, values, strict=True):
-            text = w.line(w.fresh(), f"{value} if _which == {k}.0 else {text}")
-        return text
-
     def _locate(self) -> None:
         """The states where the step ends, if a guard leaves its side in it."""
         w = self.w
@@ -453,3 +440,10 @@ class _SeriesWriter(RosenbrockWriter):
         for i in range(self.n):
             w.line(f"_v{i}", self._at(f"_k{i}", "_th"))
         w.end()
+
+
+def _derivatives(coefficients: list[str]) -> tuple[list[str], list[str]]:
+    """The coefficients of the first and of the second derivative of a polynomial."""
+    powers = range(len(coefficients))
+    slope = [coefficients[1], *(f"{m}.0 * {coefficients[m]}" for m in powers[2:])]
+    return slope, [f"{m * (m - 1)}.0 * {coefficients[m]}" for m in powers[2:]]

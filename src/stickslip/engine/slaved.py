@@ -29,7 +29,7 @@ from stickslip.engine.steptext import bound
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import System
 from stickslip.engine.unforeseen import active
-from stickslip.engine.write import LOG_OF_BITS, Writer, horner, literal
+from stickslip.engine.write import LOG_OF_BITS, Writer, horner, literal, write_length
 
 
 @dataclass(frozen=True)
@@ -153,14 +153,7 @@ class _StepWriter:
         """_h: where the last two terms of some series fall to what is tolerated; each is multiplied by its weight."""
         w = self.w
         w.line("_bits", f"as_bits({tolerance})")
-        for m, power in ((self.n - 1, "_first"), (self.n, "_power")):
-            for k, (row, weight) in enumerate(rows):
-                w.line("_other", f"{weight} * abs({row}[{m}])")
-                w.line("_term", "_term if _term > _other else _other" if k else "1.0 * _other")
-            w.line(power, f"(_bits - as_bits(_term)) * {literal(float(LOG_OF_BITS) / m)}")
-        w.line("_power", "_power if _power < _first else _first")
-        w.line("_power", "_power if _power < 900.0 else 900.0")
-        w.line("_h", "as_float(np.int64(fma(_power, 4503599627370496.0, 4606988764016040448.0)))")
+        write_length(w, rows, self.n, "_bits", "_h")
         w.line("_longest", f"{literal(self.k.longest)} * {self._value(self.eq.period)}")
         w.line("_h", "_h if _h < _longest else _longest")
         w.line("_ends", "_rem <= _h * 1.0000001")

@@ -40,13 +40,13 @@ def slaving(eq: System) -> Slaving | str:
         return "the inner state does not relax faster the faster it slips"
     braked, dz = eq.apart  # type: ignore[misc]
     rest = Substituted(graph, {z.name: graph.constant(0.0)}).of(rate)
-    steady = quotient(rest, slope)  # less
-    slaved = dz * quotient(graph.constant(1.0), slope) - steady
+    steady = _quotient(rest, slope)  # less
+    slaved = dz * _quotient(graph.constant(1.0), slope) - steady
     forwards = {v.name: eq.free_velocity, eq.t.name: graph.constant(0.0), "b0": graph.constant(1.0)}
     deflection = abs(Substituted(graph, forwards).of(steady))
     if deflection.level == STATE:
         return "the inner state of steady slip depends on more than the velocity"
-    weight = graph.derivative(braked, z) * quotient(graph.constant(1.0), slope) + graph.derivative(braked, dz)
+    weight = graph.derivative(braked, z) * _quotient(graph.constant(1.0), slope) + graph.derivative(braked, dz)
     to = Substituted(graph, {z.name: slaved})
     return Slaving(dz, slaved, to.of(braked), slope, to.of(weight), deflection)
 
@@ -64,7 +64,7 @@ def _lacks(eq: System) -> str:
     return ""
 
 
-def quotient(a: Sym, b: Sym) -> Sym:
+def _quotient(a: Sym, b: Sym) -> Sym:
     """a / b of products: equal factors cancel, the quotient of a quotient is none, and what is held as a sign is its own reciprocal."""
     graph, above, below = a.graph, list[Sym](), _factors(b)
     for node in _factors(a):

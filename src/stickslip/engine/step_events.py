@@ -6,6 +6,7 @@ or, if it began on the wrong side, the flag flips and the step is done again.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
@@ -338,10 +339,10 @@ class EventWriter:
         t = w.line(w.fresh(), f"fma({theta}, _hh, _t)")
         return [w.line(w.fresh(), f"{w.value(guard, self._bind(t, y))} * _b{k}") for k, guard in enumerate(self.eq.guards)]
 
-    def _chosen(self, values: list[str]) -> str:
-        """That of the guard which goes first."""
+    def _chosen(self, values: Sequence[str], numbers: Sequence[int] | None = None) -> str:
+        """That of the guard which goes first, of all or of those with these numbers."""
         w, text = self.w, "0.0"
-        for k, value in enumerate(values):
+        for k, value in zip(range(len(values)) if numbers is None else numbers, values, strict=True):
             text = w.line(w.fresh(), f"{value} if _which == {k}.0 else {text}")
         return text
 

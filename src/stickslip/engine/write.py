@@ -48,6 +48,21 @@ _ATAN = tuple((-1) ** i / (2 * i + 1) for i in range(22))  # atan r = r (1 + r^2
 _DEEP = {"atan": 30, "sinh": 20, "cosh": 18, "tanh": 18, "bell": 18, "asinh": 35}
 
 
+def write_length(w: Writer, rows: Sequence[tuple[str, str]], order: int, bits: str, h: str) -> None:
+    """Lines for `h`: where the last two terms of some series fall to what is tolerated, whose `bits` are given.
+
+    Each series is a row of coefficients and the weight that multiplies its terms.
+    """
+    for m, power in ((order - 1, "_first"), (order, "_power")):
+        for k, (row, weight) in enumerate(rows):
+            w.line("_other", f"{weight} * abs({row}[{m}])")
+            w.line("_term", "_term if _term > _other else _other" if k else "1.0 * _other")
+        w.line(power, f"({bits} - as_bits(_term)) * {literal(float(LOG_OF_BITS) / m)}")
+    w.line("_power", "_power if _power < _first else _first")
+    w.line("_power", "_power if _power < 900.0 else 900.0")
+    w.line(h, "as_float(np.int64(fma(_power, 4503599627370496.0, 4606988764016040448.0)))")
+
+
 def _never_positive(node: Sym) -> bool:
     """Whether an expression is minus a square."""
     if node.op != "multiply" or node.args[0].op != "constant" or node.args[0].value >= 0:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from stickslip.basics.batch import numbers_by_name
 from stickslip.basics.contracts import Model
@@ -23,14 +24,20 @@ if TYPE_CHECKING:
 #: ten thousand random robots, also where errors grow a hundredfold in a period (verification/series_of_robots.py).
 SAFETY = 0.05
 
+_Steps = TypeVar("_Steps")
 _reasons: Remembered[str | None] = Remembered()
 _swings: Remembered[Swings | str] = Remembered()
 
 
 def method(rtol: float) -> tuple[Series, float]:
     """The series for a tolerance, and the tolerance to which their steps are held."""
+    return _of_table(SERIES, rtol)
+
+
+def _of_table(table: Sequence[tuple[float, _Steps]], rtol: float) -> tuple[_Steps, float]:
+    """The first steps of a table whose least tolerance is not below that to which they are held, and the latter."""
     held = SAFETY * rtol
-    return next(series for least, series in SERIES if held >= least), held
+    return next(steps for least, steps in table if held >= least), held
 
 
 def series_refusal(model: Model) -> str | None:
@@ -46,8 +53,7 @@ def series_refusal(model: Model) -> str | None:
 
 def method_of_several(rtol: float) -> tuple[SeveralSeries, float]:
     """The same of several inner states."""
-    held = SAFETY * rtol
-    return next(series for least, series in several_series.SERIES if held >= least), held
+    return _of_table(several_series.SERIES, rtol)
 
 
 def swings_of(model: Model) -> Swings | str:

@@ -299,7 +299,8 @@ class CommandedProblem(OverParameters):
         if not good.any():
             return whole
         zero, begin = own[good].T
-        command = target.command - (zero[:, None] if target.role == "command" else 0.0 * zero[:, None])
+        shift = zero if target.role == "command" else np.zeros_like(zero)  # in either case a command for each place
+        command = target.command - shift[:, None]
         self.solves += int(good.sum())
         try:
             angles = _motions(batch, target.role, target.y[0] + begin - zero, target.instants, command, target.rate, self.rtol)

@@ -122,11 +122,8 @@ class Points:
     def _matrix(self, sides: Sides, slides: Array) -> Array:
         n, k = self.e.n, self.e.k
         E = np.zeros((n + 2 * k, n + 2 * k))
-        E[:n, :n], E[:n, n : n + k], E[:n, n + k :] = (
-            self.M,
-            -self.n.T,
-            self.g.T,
-        )  # nothing is pressed by rails that bear, and by given loads
+        # rails that bear, and given loads, press nothing
+        E[:n, :n], E[:n, n : n + k], E[:n, n + k :] = self.M, -self.n.T, self.g.T
         held = self.held(sides)
         for i, side in enumerate(sides):
             E[n + i, :n], E[n + i, n + i] = (self.n[i], 0.0) if side != FLIES and i in self.e.kept else (0.0, 1.0)
