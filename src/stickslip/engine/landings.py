@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
 from typing import Any
 
 from stickslip.engine.assembly import Assembly
@@ -39,14 +40,16 @@ class _Hit:
 
 def add_landing(parts: Assembly, i: int, speeds: list[Sym | None]) -> None:
     """A contact alone under a law that rests exactly, which may leave what it rubs on and land again."""
-    m, first = parts.m, len(parts.events)
+    m, begin = parts.m, len(parts.events)
     graph, one = m.graph, m.graph.constant(1.0)
     flight = flight_of(parts, i)
     solved = add_solved(parts, i, speeds)
     mode, slip = parts.modes[i], m.slips[i]
     parts.events += events_of_border(solved, None)
-    parts.events[first:] = [(graph.select(flight.aloft, one, guard), *then) for guard, *then in parts.events[first:]]  # type: ignore[misc]
-    parts.first_modes[i] = graph.select(flight.first, graph.by_side(slip, one, -one, one), parts.first_modes[i])
+    parts.events[begin:] = [(graph.select(flight.aloft, one, guard), *then) for guard, *then in parts.events[begin:]]  # type: ignore[misc]
+    first = _first_flight(parts, flight, solved)
+    parts.first_modes[i] = graph.select(first, graph.by_side(slip, one, -one, one), parts.first_modes[i])
+    parts.first_modes[flight.mode], flight = first, replace(flight, first=first)
     parts.contacts[-1] = replace(parts.contacts[-1], flight=flight, inner=flight.inner)
     for j, (own, free) in enumerate(zip(parts.f, m.free_of(i), strict=True)):
         parts.f[j] = graph.select(flight.aloft, free, own)
@@ -69,6 +72,17 @@ def flight_of(parts: Assembly, i: int) -> Flight:
     height, struck = m.equations.heights(m.t, m.places, m.v)[m.equations.contacts[i]], m.struck(i)
     moved = (tuple(map(m.lift, of)) for of in (struck.moved_across, struck.moved_along))
     return Flight(number, aloft, first, (begin, begin + 1), tuple(map(m.lift, height)), *moved)
+
+
+def _first_flight(parts: Assembly, flight: Flight, solved: SolvedLoad) -> Sym:
+    """1 of a point that begins in flight: not of one that slips on the ground and could as well stay, pressed by its own friction."""
+    graph, zero, one = parts.m.graph, parts.m.graph.constant(0.0), parts.m.graph.constant(1.0)
+    slip = parts.m.slips[solved.i]
+    borders = map(Substituted(graph, {solved.mode.name: graph.by_side(slip, one, -one, zero)}).of, solved.borders())
+    stays = reduce(lambda rest, border: graph.select(border, rest, zero), borders, one)
+    alone = graph.by_side(slip, *[graph.select(stays, flight.first, zero)] * 2, flight.first)
+    gap, rate = (parts.inner[k - len(parts.m.y)] for k in flight.inner)
+    return graph.select(gap, one, graph.select(rate, one, alone))
 
 
 def _add_hit(parts: Assembly, i: int, flight: Flight, solved: SolvedLoad, up: Sym) -> None:

@@ -28,12 +28,15 @@ from typing import Any, NamedTuple
 from stickslip.basics.status import Status
 from stickslip.engine.assembly import Assembly
 from stickslip.engine.coupled import limits_of, sliding_both_ways, without_slip
+from stickslip.engine.graphs import Substituted
 from stickslip.engine.landings import MOMENT, flight_of, jumped, per_impulse, time_of
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Branches, Flight, TracedContact
+from stickslip.models.friction.law_adapter import TINY
 from stickslip.models.linear_equations import determinant, eliminated, product, total
 from stickslip.models.rails import weighed
 
+_DECIDED = "slip that is decided"
 LIFTS = 2  # of a combination: the point does not touch; else 1 and -1 are its side, 0 is rest
 _TIE = 1e-12  # of a load, or of the rates that there are: what rounding may make of a condition that holds with equality
 _BESIDE = 1e-10  # of itself without friction: how far beside the border a run ends, whose 24 coefficients are numbers
@@ -87,10 +90,28 @@ class Feet:
         self.kinetic = {i: tuple(self.steepness[i] * of for of in per_load[i]) for i in self.pressed}
         self.limits = {i: tuple(self.steepness[i] * m.lift(of) for of in m.laws[i].breakaway(1.0)) for i in self.pressed}
         self.given = {i: (sliding_both_ways(parts, i), limits_of(parts, i)) for i in group if i not in self.pressed}
+        self.asked = {i: {side: self._friction(i, side) for side in (1.0, -1.0)} for i in group}
         contacts = {i: m.equations.joints[m.equations.contacts[i]] for i in self.points}
         on_flat = {i: contact.body for i, contact in contacts.items() if contact.on is None}
         self.alike = {i: [k for k in group if k == i or (i in on_flat and on_flat.get(k) == on_flat[i])] for i in group}
         self.signs = {i: parts.mode(self.one) for i in self.rails}
+        self.lost = parts.mode(self.zero)  # 1 where no combination agrees, which ends the run
+
+    def _friction(self, i: int, side: float) -> Sym:
+        """Friction of a contact for a newton across, or under its given load, at the slip of an instant that is decided."""
+        m, graph, before = self.m, self.graph, self.graph.at_once
+        load = 1.0 if i in self.pressed else m.load(i, side)
+        graph.at_once = True  # conditions of the law are those of this slip
+        force = m.lift(m.laws[i].sliding(graph.variable(_DECIDED), load))
+        graph.at_once = before
+        return self.steepness[i] * force if i in self.pressed else force
+
+    def friction_at(self, i: int, now: Sym) -> tuple[Sym, Sym]:
+        """The same to both sides where the slip goes to a side `now`, or is about to, whatever the mode says that ends."""
+        graph, slip = self.graph, self.m.slips[i]
+        at = {side: graph.select(side * now, slip, graph.constant(side * TINY)) for side in (1.0, -1.0)}
+        forwards, backwards = (Substituted(graph, {_DECIDED: at[side]}).of(asked) for side, asked in self.asked[i].items())
+        return forwards, backwards
 
     def _add_normal(self, i: int) -> None:
         """The row of a height or of a rail's bodies, what its force moves, and its rate without forces of contacts."""
@@ -273,24 +294,26 @@ class Decision(NamedTuple):
     signs: Numbers
     lost: Sym
 
-    def after(self, feet: Feet, flights: dict[int, Flight], number: int) -> dict[int, Sym]:
-        """The new modes by their numbers."""
-        new = {number: self.lost} | {flights[k].mode: self.lifts[k] for k in feet.points} | {k: self.modes[k] for k in feet.group}
+    def after(self, feet: Feet, flights: dict[int, Flight], lost: Sym) -> dict[int, Sym]:
+        """The new modes by their numbers; where nothing has agreed before, `lost`, nothing does."""
+        new = {feet.lost[0]: feet.graph.select(lost, lost, self.lost)} | {flights[k].mode: self.lifts[k] for k in feet.points}
+        new |= {k: self.modes[k] for k in feet.group}
         return new | {feet.signs[k][0]: self.signs[k] for k in feet.rails}
 
 
-def decided(feet: Feet, flies: Numbers, now: Numbers, of: Any) -> Decision:
+def decided(feet: Feet, flies: Numbers, slips: Numbers, of: Any) -> Decision:
     """What the accelerations decide.
 
-    `flies` is 1 of a point that is in flight, `now` the side of a slip, 0 of one that is none; `of` takes expressions to the state after
-    an event.
+    `flies` is 1 of a point that is in flight, `slips` the side of a slip, 0 of one that is none; `of` takes expressions to the state after
+    an event, these sides too.
     """
     graph, one, zero = feet.graph, feet.one, feet.zero
     aloft, modes, lost = dict.fromkeys(feet.points, one), dict.fromkeys(feet.group, one), one
-    sides_of_rails = dict.fromkeys(feet.rails, one)
+    sides_of_rails, friction = dict.fromkeys(feet.rails, one), {i: feet.friction_at(i, side) for i, side in slips.items()}
+    now = {i: of(side) for i, side in slips.items()}
     for given, signs in reversed(list(itertools.product(feet.combinations(feet.group), feet.each_sign()))):
-        known = {i: forces[0 if given[i] == 1 else 1] for i, (forces, _) in feet.given.items() if given[i]}
-        bearing, up, along = feet.bearing_of(given, signs, feet.rising, feet.sliding, feet.kinetic, known)
+        known = {i: friction[i][0 if given[i] == 1 else 1] for i in feet.given if given[i]}
+        bearing, up, along = feet.bearing_of(given, signs, feet.rising, feet.sliding, friction, known)
         conditions, resting = list[Sym](), [i for i in feet.group if given[i] == 0]
         for i, side in given.items():
             if side == LIFTS:
@@ -322,7 +345,7 @@ def add_several(parts: Assembly, group: list[int], speeds: list[Sym | None]) -> 
     m = parts.m
     graph, zero, one = m.graph, m.graph.constant(0.0), m.graph.constant(1.0)
     flights = {i: flight_of(parts, i) for i in group if m.laws[i].flies}
-    feet, number, lost = Feet(parts, group), *parts.mode(zero)
+    feet = Feet(parts, group)
     aloft, modes = {i: flight.aloft for i, flight in flights.items()}, {i: parts.modes[i] for i in group}
     signs = {i: sign for i, (_, sign) in feet.signs.items()}
     bearing = feet.by_modes(aloft, modes)
@@ -332,8 +355,10 @@ def add_several(parts: Assembly, group: list[int], speeds: list[Sym | None]) -> 
     pressed = {i: m.lift(product(signs.get(i, 1.0), feet.steepness[i] * bearing.across[i])) for i in feet.pressed}
     m.loads = tuple(pressed.get(i, load) for i, load in enumerate(m.loads))
     parts.forces |= bearing.along
+    ends = (graph.select(feet.lost[1], -one, one), *feet.borders(aloft, modes))  # before all else that an instant may bring
+    parts.events += [(guard, {}, {}, Status.PAINLEVE) for guard in ends]
     for i in group:
-        _add_events(feet, i, flights, bearing, number)
+        _add_events(feet, i, flights, bearing)
         branches, name = Branches(zero, zero, *(-of for of in feet.borne(i, [i], bearing, signs=signs))), m.equations.contacts[i]
         inner, row = flights[i].inner if i in flights else (), m.weighted(i)
         state = m.owner.index(i) if i in m.owner else None
@@ -342,11 +367,10 @@ def add_several(parts: Assembly, group: list[int], speeds: list[Sym | None]) -> 
             parts.rates[flights[i].inner[1] - len(m.y)] = graph.select(aloft[i], up[i], zero)
             contact = replace(contact, flight=replace(flights[i], together=tuple(feet.alike[i])))
         parts.contacts.append(contact)
-    parts.events += [(guard, {}, {}, Status.PAINLEVE) for guard in (graph.select(lost, -one, one), *feet.borders(aloft, modes))]
     speed = _STILL * m.lift(m.machine.velocity_scale)
     flies = {i: graph.select(parts.inner[f.inner[0] - len(m.y)], one, graph.select(_rate(parts, f), one, zero)) for i, f in flights.items()}
     now = {i: _side(m.slips[i], speed, graph) for i in group}
-    for k, first in decided(feet, flies, now, lambda node: node).after(feet, flights, number).items():
+    for k, first in decided(feet, flies, now, lambda node: node).after(feet, flights, zero).items():
         parts.first_modes[k] = first
 
 
@@ -361,7 +385,7 @@ def _side(slip: Sym, still: Sym, graph: Any) -> Sym:
     return graph.select(slip - still, one, graph.select(-slip - still, -one, graph.constant(0.0)))
 
 
-def _add_events(feet: Feet, i: int, flights: dict[int, Flight], bearing: Bearing, number: int) -> None:
+def _add_events(feet: Feet, i: int, flights: dict[int, Flight], bearing: Bearing) -> None:
     """What ends the modes of a contact: its slip, its limits, its load, or its flight."""
     parts, m, graph, group = feet.parts, feet.m, feet.graph, feet.group
     one, zero, mode, points = feet.one, feet.zero, feet.parts.modes[i], feet.points
@@ -370,7 +394,7 @@ def _add_events(feet: Feet, i: int, flights: dict[int, Flight], bearing: Bearing
     still = _STILL * m.lift(m.machine.velocity_scale)
     exactly = without_slip(m, i)
     now = {k: zero if k == i else graph.by_side(parts.modes[k], *[_side(m.slips[k], still, graph)] * 2, zero) for k in group}
-    new = decided(feet, {k: aloft[k] for k in points}, now, lambda node: node).after(feet, flights, number)
+    new = decided(feet, {k: aloft[k] for k in points}, now, lambda node: node).after(feet, flights, feet.lost[1])
     parts.events.append((graph.select(aloft[i], one, graph.by_side(mode, m.slips[i], -m.slips[i], one)), new, exactly, 0))
     rests = [graph.select(aloft[k], zero, graph.by_side(parts.modes[k], zero, zero, one)) for k in group]
     forwards, backwards = _together(feet, i, bearing, dict(zip(group, rests, strict=True)), signs)
@@ -384,7 +408,7 @@ def _add_events(feet: Feet, i: int, flights: dict[int, Flight], bearing: Bearing
     if i in points:
         up = graph.by_side(mode, one, -one, one)  # in flight nothing rests
         parts.events.append((graph.select(aloft[i], one, bearing.across[i]), {flights[i].mode: one, i: up}, {}, 0))
-        _add_hit(feet, i, flights, number)
+        _add_hit(feet, i, flights)
 
 
 def _together(feet: Feet, i: int, bearing: Bearing, rests: Numbers, signs: Numbers) -> tuple[Sym, Sym]:
@@ -396,7 +420,7 @@ def _together(feet: Feet, i: int, bearing: Bearing, rests: Numbers, signs: Numbe
     return a, b
 
 
-def _add_hit(feet: Feet, h: int, flights: dict[int, Flight], number: int) -> None:
+def _add_hit(feet: Feet, h: int, flights: dict[int, Flight]) -> None:
     """A gap closes: impulses at all points that touch and at rails, and what they do after it."""
     parts, m, graph, group, points = feet.parts, feet.m, feet.graph, feet.group, feet.points
     one, zero = feet.one, feet.zero
@@ -417,9 +441,8 @@ def _add_hit(feet: Feet, h: int, flights: dict[int, Flight], number: int) -> Non
     aloft = {i: graph.select(over, settled[i], after[i]) for i in points}
     rate = {i: graph.select(touches[i], graph.select(over, zero, graph.select(after[i] - still, after[i], zero)), aloft[i]) for i in points}
     flies = {i: graph.select(touches[i], graph.select(rate[i], one, zero), one) for i in points}
-    now = {i: _side(there.of(m.slips[i]), still, graph) for i in group}
-    new = decided(feet, flies, now, there.of).after(feet, flights, number)
-    new[number] = graph.select(fails, one, graph.select(over, graph.select(lost, one, new[number]), new[number]))
+    new = decided(feet, flies, {i: _side(m.slips[i], still, graph) for i in group}, there.of).after(feet, flights, feet.lost[1])
+    new[feet.lost[0]] = reduce(lambda rest, none: graph.select(none, one, rest), (graph.select(over, lost, zero), fails), new[feet.lost[0]])
     states: dict[int, Any] = {c: y + change for c, (y, change) in enumerate(zip(m.y, changes, strict=True))}
     for i in points:
         states |= {flights[i].inner[1]: rate[i]}

@@ -25,6 +25,7 @@ ORDER, HIGHER = 16, 24  # the second where a matrix of inertia varies: steps cos
 LONGEST = 0.25  # of a period
 ROUNDING = 1e-16  # of a state's scale: what a step may leave out
 BESIDE = 2e-10  # of its size: how much further than such a guard its border is
+AT_BORDER = "fma(1e-11, {}, 1e-12)"  # of a period, in s: from where on such a border is reached; nearer, coefficients are no numbers
 WIDER = 5.0  # how much larger a coefficient may be than the next one, at the end of a step of order `HIGHER`
 
 
@@ -96,6 +97,7 @@ class _SeriesWriter:
     def __init__(self, eq: System):
         self.eq, self.w, self.order = eq, Writer(), order_of(eq)
         self._held: set[int] = set()  # numbers of the expressions that `_hold` has been given
+        self._at_border: dict[int, str] = {}  # by number of a guard that is such a border, whether it is as good as reached
         self.watched = [(k, eq.guards[k]) for k in watched(eq)]
         self.rising = active(eq, "exp") | active(eq, "tanh")
         self.quotients = active(eq, "reciprocal")
@@ -177,6 +179,8 @@ class _SeriesWriter:
                 size = horner([f"abs({c})" for c in (value, f"{row}[1]", f"{row}[2]")], "_longest")
                 left, falls = w.line(w.fresh(), f"0.5 * (abs({value}) + {literal(BESIDE)} * ({size}))"), w.line(w.fresh(), f"abs({row}[1])")
                 w.line("_hh", f"_hh if _hh * {falls} < {left} else {left} / {falls}")
+                if self.order != ORDER:
+                    self._at_border[k] = f"{value} < {AT_BORDER.format(self.period)} * -{row}[1]"
 
     def _limit_by(self, tolerated: list[tuple[Sym, str]]) -> None:
         """Shorten the step until the last terms of some series are below their sizes."""
@@ -250,6 +254,8 @@ class _SeriesWriter:
         flag, value = f"_b{k}" if k < self.eq.signs else "", self._value(guard)
         if size := self._size_of_slip(guard):  # what rounding leaves of a slip that is zero, is zero: it may grow more slowly than that
             value = self.w.line(self.w.fresh(), f"0.0 if abs({value}) <= {literal(SLIP)} * {size} else {value}")
+        if k in self._at_border:
+            value = self.w.line(self.w.fresh(), f"-1.0 if {self._at_border[k]} else {value}")
         return f"_g{number}", self.rows.get(guard.number, ""), flag, f"{flag} * {value}" if flag else value
 
     def _size_of_slip(self, guard: Sym) -> str:

@@ -12,7 +12,7 @@ import pytest
 
 import stickslip as ss
 from rows import each_row
-from stickslip.basics.errors import InputError
+from stickslip.basics.errors import InputError, SolveError
 from stickslip.basics.status import Status
 from stickslip.dynamics.derivatives.tangents import jacobian_of
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_map
@@ -216,9 +216,15 @@ def test_gradients_pass_through_hits_of_a_foot_whose_gap_depends_on_the_numbers(
     assert np.allclose(found.state[0, :3], (4 * (v[2] - v[3]) / 1e-4 - (v[0] - v[1]) / 2e-4) / 3, rtol=1e-7, atol=1e-8)
 
 
-def test_a_foot_that_lands_where_no_load_follows_ends_the_run():
-    start = {"x": {"z": 1.0, "angle": 2.0}, "v": {"x": 3.0}}
+def test_where_a_foot_lands_or_begins_and_no_one_load_follows_the_run_ends():
+    start, slips = ({"x": {"z": z, "angle": 2.0}, "v": {"x": 3.0}} for z in (1.0, 0.5 * np.sin(2.0)))
+    pulled = type("Pulled", (Rod,), {"gravity": -5.0})
+    stays = type("Stays", (Rod,), {"contacts": lambda self: {"foot": Rod.contacts(self)["foot"].replace(restitution=None)}})
     for method in ("auto", "dop853"):
+        for kind in (stays, pulled):  # no load follows; one does, or it could fly
+            with pytest.raises(SolveError, match="ended at its start, t = 0 s: friction presses back"):
+                ss.solve(kind(0.5, ss.Coulomb(1.5, 1.5), 0.0), duration=0.1, start=slips, method=method)
+        assert ss.solve(pulled(0.5, ss.Coulomb(0.3, 0.3), 0.0), duration=0.1, start=slips, method=method).x[-1, 1] > 0.02
         run = ss.solve(Rod(0.5, ss.Coulomb(1.5, 1.5), 0.0), duration=0.6, start=start, method=method)
         assert run.status == Status.PAINLEVE.sentence
         assert run.t[-1] == pytest.approx(np.sqrt(2 * (1.0 - 0.5 * np.sin(2.0)) / G), abs=1e-12)

@@ -14,9 +14,14 @@ from stickslip.solvers.plain.plain_equations import SHORT, ContactModes, Equatio
 
 
 def begun_aloft(e: Equations, t: float, y: ArrayLike) -> frozenset[int]:
-    """The contacts that begin a run in flight: above what they rub on, moving away from it, or pulled off it."""
-    loads = e.loads(t, y)
-    return frozenset(i for i in e.flying if any(v > 0.0 for v in e.z(y, i)) or e.presses(t, y, i, loads[i]) <= 0.0)
+    """The contacts that begin a run in flight: above what they rub on, moving away from it, or pulled off it.
+
+    What is pulled off and slips could also stay, where its own friction would press it: that it does not fly ends the run.
+    """
+    loads, slips = e.loads(t, y), e.slips(t, *e.state(y))
+    borders = e.borders(t, y, ContactModes(tuple(int(np.sign(w)) for w in slips), ((),) * e.k))
+    pulled = [i for i in e.flying if e.presses(t, y, i, loads[i]) <= 0.0 and (slips[i] == 0.0 or borders.get(i, 1.0) > 0.0)]
+    return frozenset(i for i in e.flying if i in pulled or any(v > 0.0 for v in e.z(y, i)))
 
 
 def turned_aloft(e: Equations, t: float, y: Any, mode: ContactModes, rows: list[int]) -> ContactModes:

@@ -115,8 +115,9 @@ class Run:
         self.ended = Status.FINISHED  # how its equations ended, where they do before its time is over
         self.recent = deque[tuple[float, tuple[int, ...]]]()
         equations.first_loads = equations.loads(0.0, self.y)
-        loads = zip(equations.first_loads, equations.laws, equations.unpressed, strict=True)
-        if any(load <= 0.0 and load + least <= 0.0 for load, law, least in loads if not law.flies):
+        loads = enumerate(zip(equations.first_loads, equations.laws, equations.unpressed, strict=True))
+        unpressed = [i for i, (load, law, least) in loads if not law.flies and load <= 0.0 and load + least <= 0.0]
+        if any(not equations.is_pressed_without_friction(i, 0.0, self.y) for i in unpressed):
             raise SolveError("the load is not positive at the start, so there is no contact; give a start or a drive with a positive load")
         self.points = equations if isinstance(equations, PointEquations) else None
         if self.points is None:
@@ -209,6 +210,9 @@ class Run:
 
     def pieces(self) -> PolynomialPieces:
         """The dense output up to now."""
+        if self.ended and not self.parts:
+            after = remedy(self.ended, self.todo.rtol, False)
+            raise SolveError(f"the run ended at its start, t = 0 s: {self.ended.sentence}; {after}", self.ended)
         return joined_output(self.parts, self.t, self.equations)
 
     def _move(self, end: float) -> None:

@@ -237,6 +237,13 @@ class Equations:
             return forwards
         return [min(a, b) if side == 0 else a if side > 0 else b for a, b, side in zip(forwards, backwards, mode.sides, strict=False)]
 
+    def is_pressed_without_friction(self, i: int, t: float, y: ArrayLike) -> bool:
+        """Whether a contact whose load follows from the motion would be one without its friction."""
+        mechanics: Any = self.mechanics
+        if not mechanics.joined or not mechanics.touching[i].is_held:
+            return False
+        return not mechanics.touching[i].pushes or float(self.own.rising(i, self.time(t), *self.state(y), self.controlled(y))) <= 0.0
+
     def presses(self, t: float, y: ArrayLike, i: int, load: float) -> float:
         """What is positive while a contact that may fly is pressed: its load, or how fast its point would go down without it."""
         return -float(self.own.rising(i, self.time(t), *self.state(y), self.controlled(y))) if self.mechanics.joined else load
