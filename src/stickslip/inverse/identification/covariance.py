@@ -18,6 +18,8 @@ _LOST = 1 / 3  # of the distance between bounds
 _AT_A_MINIMUM = 0.1  # squares of the noise: less is promised at a minimum, where numbers are within a third of their standard errors
 _RARE = 1e-3  # chance below which a sum of squares is beyond the noise that was given
 _WHITE = 3.5  # standard errors within which the correlation of neighbours is that of white noise
+_ONCE = 1e-3  # chance that noise of the motion leaves more than it is said to leave at most
+_LEAST = 2.0  # times what it leaves on average, which it may leave in any case
 
 
 def information_of(problem: Any, jacobian: Any) -> Information:
@@ -121,6 +123,28 @@ def from_the_input(problem: Any, jacobian: ArrayLike, changes: Any) -> Any:
         return 0.0
     moved = information_of(problem, jacobian).inverse[:, : len(changes)] @ changes
     return moved @ moved.T / changes.shape[1]
+
+
+def correlations_by_input(problem: Any, jacobian: ArrayLike, changes: Any, residuals: Array) -> list[float]:
+    r"""The correlation of neighbouring residuals of each record that noise of the motion makes at most, where the numbers follow it.
+
+    That noise acts mostly where the motion turns, so that few independent values bear most of it and its sum of squares scatters from
+    record to record. By the mean m and the variance s² over repetitions it is taken for m times a chi-square of :math:`\nu = 2 m^2 / s^2`
+    degrees over these (Satterthwaite), and once in a thousand records it is larger.
+    """
+    from scipy.stats import chi2
+
+    rests = problem.parts(residuals[: len(problem.y)])
+    if changes is None:
+        return [0.0] * len(rests)
+    left = changes - jacobian[: len(changes)] @ (information_of(problem, jacobian).inverse[:, : len(changes)] @ changes)
+    most = []
+    for columns, rest in zip(problem.parts(left), rests, strict=True):
+        each = np.array([max(neighbours(column), 0.0) * np.mean(column**2) for column in columns.T])
+        mean, free = float(each.mean()), 2 * float(each.mean()) ** 2 / max(float(each.var(ddof=1)), 1e-300)
+        times = max(float(chi2.isf(_ONCE, max(free, 1.0))) / max(free, 1.0), _LEAST)
+        most.append(times * mean / (float(np.mean(rest**2)) or 1.0))
+    return most
 
 
 def determined_spread(problem: Any, jacobian: Any, residuals: Array, scale: float, changes: Any = None, misfit: Any = None) -> Any:

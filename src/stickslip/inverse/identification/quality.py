@@ -7,14 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stickslip.inverse.identification.covariance import neighbours
+from stickslip.inverse.identification.covariance import correlations_by_input, neighbours
 from stickslip.inverse.identification.fit_text import OVER_MOTION, unit_of_values
 
 if TYPE_CHECKING:
     from stickslip.inverse.identification.fit import Fit
-
-
-_MORE = 2.0  # times the correlation that noise of the motion is expected to make, below which it explains what there is
 
 
 @dataclass(frozen=True)
@@ -50,7 +47,7 @@ class Quality:
     coloured: bool = False
     unit: str = ""
     structure: str = ""  # what of the residuals stands above noise where a wrong law or drive shows, in words
-    of_input: float = 0.0  # correlation of neighbours that the noise of the motion makes
+    of_input: float = 0.0  # correlation of neighbours that the noise of the motion makes at most
 
     @property
     def excess(self) -> str:
@@ -69,26 +66,15 @@ class Quality:
             and self.rms**2 > self.noise**2 * (1 + 5 * np.sqrt(2 / max(self.count, 1)))
         )
         return bool(self.structure) or bool(
-            self.count > 20 and (abs(self.correlation) > max(white, 0.1) + _MORE * self.of_input or too_large)
+            self.count > 20 and (abs(self.correlation) > max(white, 0.1) + self.of_input or too_large)
         )
-
-
-def _of_input(fit: Fit) -> list[float]:
-    """Correlation of neighbouring residuals of each record that noise of the input makes where the numbers follow as far as they can."""
-    if fit.changes is None:
-        return [0.0] * len(fit.problem.targets)
-    left = fit.changes - fit.jacobian[: fit.count] @ (fit.information.inverse[:, : fit.count] @ fit.changes)
-    correlations = []
-    for part, rest in zip(fit.problem.parts(left), fit.problem.parts(fit.residuals), strict=True):
-        size = float(np.mean(rest**2)) or 1.0
-        correlations.append(float(np.mean([max(neighbours(column), 0.0) * np.mean(column**2) for column in part.T])) / size)
-    return correlations
 
 
 def quality(fit: Fit) -> tuple[Quality, ...]:
     """Goodness of fit of each record."""
     qualities = []
-    rests, inputs, plain = fit.problem.parts(fit.residuals * fit.problem.sigma), _of_input(fit), fit.problem.unclipped(fit.residuals)
+    rests, plain = fit.problem.parts(fit.residuals * fit.problem.sigma), fit.problem.unclipped(fit.residuals)
+    inputs = correlations_by_input(fit.problem, fit.jacobian, fit.changes, fit.residuals)
     structure = fit.misfit.said if fit.misfit else ("",) * len(rests)
     for target, exact, rest, of_input, said in zip(fit.problem.targets, fit.problem.parts(plain), rests, inputs, structure, strict=True):
         y = target.y

@@ -9,7 +9,15 @@ import numpy as np
 
 from stickslip.basics.phrases import listed
 from stickslip.inverse.identification.coarse_steps import with_short_steps
-from stickslip.inverse.identification.covariance import information_of, neighbours, noise_scale, noise_sizes, still_promised, with_noise_of
+from stickslip.inverse.identification.covariance import (
+    correlations_by_input,
+    information_of,
+    neighbours,
+    noise_scale,
+    noise_sizes,
+    still_promised,
+    with_noise_of,
+)
 from stickslip.inverse.identification.delays import delayed_best
 from stickslip.inverse.identification.least_squares import MeasuredProblem
 from stickslip.inverse.identification.search import SearchEnd, polished
@@ -103,7 +111,8 @@ def _lost(problem: MeasuredProblem, held: Any, end: SearchEnd) -> list[str]:
 
 def spared_numbers(problem: MeasuredProblem, best: SearchEnd) -> list[str]:
     """Of the numbers that would make up for what a law lacks, those without which the fit leaves no more than twice as much."""
-    families = list(dict.fromkeys(n.what for n in problem.numbers if n.name in (names := _chasing(problem, best))))
+    names = _chasing(problem, best)
+    families = list(dict.fromkeys(n.what for n in problem.numbers if n.name in names))
     while families:
         tried: list[tuple[float, list[str]]] = []
         for out in (None, *families):
@@ -124,10 +133,18 @@ def _chasing(problem: MeasuredProblem, best: SearchEnd) -> list[str]:
     if problem.given is not None:
         return []
     off = problem.against_what_is_known(best.point)
-    odd = {i for n in problem.numbers if n.name in off for i in n.records}
-    odd |= {i for i, rest in enumerate(problem.parts(best.residuals[: len(problem.y)])) if neighbours(rest) > _SHAPED}
+    odd = {i for n in problem.numbers if n.name in off for i in n.records} | set(_shaped(problem, best))
     cells = [n for n in problem.numbers if n.what != "start"]  # how bristles begin is of the contact
     return [n.name for n in cells if any(problem.targets[i].kind == "force" for i in odd & set(n.records))]
+
+
+def _shaped(problem: MeasuredProblem, best: SearchEnd) -> list[int]:
+    """The records of which more than noise of the motion is left with a shape."""
+    left = [neighbours(rest) for rest in problem.parts(best.residuals[: len(problem.y)])]
+    if max(left) <= _SHAPED:
+        return []
+    by_input = correlations_by_input(problem, best.jacobian, problem.input_changes(best.point), best.residuals)
+    return [i for i, each in enumerate(left) if each > max(_SHAPED, by_input[i])]
 
 
 def spared_note(names: list[str]) -> list[str]:
