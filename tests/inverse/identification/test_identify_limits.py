@@ -78,8 +78,9 @@ def test_a_search_never_proposes_less_static_than_kinetic_friction(monkeypatch):
     assert len(asked) > 50 and all(asked)
     assert all(abs(fit.values[name] - value) < max(4.5 * fit.errors[name], 1e-3) for name, value in truth.items())
     edge = [name for name in STATIC if fit.values[name] < fit.values[name.replace("f_", "mu_")] * (1 + 1e-4)]
-    said = [fault for fault in faults(fit) if "ends at its bound" in fault]
-    assert len(said) == len(edge) and all(any(name in fault for fault in said) for name in edge)
+    said = [warning for warning in fit.warnings if "ends at its bound" in warning]
+    assert len(said) == len(edge) > 0 and all(any(name in warning for warning in said) for name in edge)
+    assert not faults(fit)  # noise has moved it there, so that the law is not blamed
 
 
 @pytest.mark.slow

@@ -28,6 +28,7 @@ _WIDER = 1.1  # by which an interval reaches farther if its end is looked at too
 _BEYOND = 1.5  # ends of an interval at which the sum of squares must still be up
 _FOLLOWS = 3  # points there, each with the other numbers nearer to their best
 _AT_BOUND = 1e-4  # on the scale of the search
+_OUTSIDE = 3.0  # standard errors beyond a bound, from which on that is no noise
 _WANTED = 0.05  # of the distance of its bounds: error of a parameter with the sensor that is recommended
 _PROFILED = 24  # points that are tried for one end of a profile
 _HALF = 0.5  # of a standard error
@@ -224,7 +225,8 @@ def faults(fit: Fit) -> list[str]:
     """Why a fit is not that of a law which holds: an interrupted search, numbers at bounds, residuals that are not noise."""
     reasons = ["the search was interrupted"] if fit.stopped else []
     reasons += [*_before_a_minimum(fit), *_coarse(fit)]
-    reasons += [f"{name} ends at its bound {fit.values[name]:.5g}" for name in _at_bounds(fit) if name not in at_zero(fit)]
+    outside = [name for name in _at_bounds(fit) if name not in at_zero(fit) and _is_outside(fit, fit.names.index(name), _inner(fit, name))]
+    reasons += [f"{name} ends at its bound {fit.values[name]:.5g}" for name in outside]
     reasons += _against_what_is_known(fit)
     reasons += [*_sensors_at_bounds(fit), *_misfit_of_means(fit)]
     return reasons + [f"{q.label}: {q.excess}" for q in fit.quality if q.suspicious]
@@ -265,13 +267,21 @@ def _misfit_of_means(fit: Fit) -> list[str]:
 
 
 def _sensors_at_bounds(fit: Fit) -> list[str]:
-    """Sentences on numbers of sensors that end at a bound."""
+    """Sentences on numbers of sensors that would lie beyond a bound."""
     sentences = []
     for k, number in enumerate(fit.problem.numbers, fit.problem.first):
         low, high = number.bounds
-        if np.isfinite(high - low) and min(fit.point[k] - low, high - fit.point[k]) < 1e-4 * (high - low):
+        inner = (fit.point[k] - low) / (high - low) if np.isfinite(high - low) else 0.5
+        if min(inner, 1 - inner) < _AT_BOUND and _is_outside(fit, k, inner):
             sentences.append(f"{number.name} of {number.of} ends at its bound {fit.point[k]:.5g}")
     return sentences
+
+
+def _is_outside(fit: Fit, k: int, inner: float) -> bool:
+    """Whether the best value of a number that ends at a bound lies beyond it by more than noise allows; a misfit may come of the bound."""
+    step = float(fit.information.inverse[k] @ fit.problem.residuals(fit.point))
+    noise = spread_of(fit.problem, fit.jacobian, fit.residuals, fit.scale, fit.changes)[k, k]
+    return bool((step if inner < 0.5 else -step) > _OUTSIDE * np.sqrt(noise))
 
 
 def _against_what_is_known(fit: Fit) -> list[str]:
@@ -284,8 +294,12 @@ def _against_what_is_known(fit: Fit) -> list[str]:
 def _at_bounds(fit: Fit) -> list[str]:
     """Parameters that end at a bound, or at what the law demands of them beside the others (static friction not below kinetic)."""
     names = [name for k, name in enumerate(fit.names) if not fit.information.undetermined[k]]
-    inner = dict(zip(fit.names, fit.problem.parameters.limits.inner(fit.point), strict=False))
-    return [name for name in names if min(inner[name], 1 - inner[name]) < _AT_BOUND]
+    return [name for name in names if min(_inner(fit, name), 1 - _inner(fit, name)) < _AT_BOUND]
+
+
+def _inner(fit: Fit, name: str) -> float:
+    """Where a parameter is between the least, 0, and the greatest value, 1, that it may have beside the others."""
+    return float(fit.problem.parameters.limits.inner(fit.point)[fit.names.index(name)])
 
 
 def at_zero(fit: Fit) -> list[str]:
