@@ -65,9 +65,7 @@ class Quality:
             and self.rms > 1.15 * self.noise
             and self.rms**2 > self.noise**2 * (1 + 5 * np.sqrt(2 / max(self.count, 1)))
         )
-        return bool(self.structure) or bool(
-            self.count > 20 and (abs(self.correlation) > max(white, 0.1) + self.of_input or too_large)
-        )
+        return bool(self.structure) or bool(self.count > 20 and (abs(self.correlation) > max(white, 0.1) + self.of_input or too_large))
 
 
 def quality(fit: Fit) -> tuple[Quality, ...]:
