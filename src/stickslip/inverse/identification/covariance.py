@@ -125,7 +125,7 @@ def from_the_input(problem: Any, jacobian: ArrayLike, changes: Any) -> Any:
     return moved @ moved.T / changes.shape[1]
 
 
-def correlations_by_input(problem: Any, jacobian: ArrayLike, changes: Any, residuals: Array) -> list[float]:
+def correlations_by_input(problem: Any, jacobian: Any, changes: Any, residuals: Array) -> list[float]:
     r"""The correlation of neighbouring residuals of each record that noise of the motion makes at most, where the numbers follow it.
 
     That noise acts mostly where the motion turns, so that few independent values bear most of it and its sum of squares scatters from
