@@ -11,6 +11,7 @@ from stickslip.inverse.identification.damped_steps import damped_steps
 from stickslip.inverse.identification.law_forces import Stepped, law_force
 from stickslip.inverse.identification.misfit import misfit_of
 from stickslip.inverse.identification.search import SearchEnd
+from stickslip.inverse.identification.strokes import Strokes
 from stickslip.inverse.identification.uncertainty import faults
 from stickslip.models.friction.law_adapter import adapted
 
@@ -47,6 +48,11 @@ def test_jumps_alone_tell_a_delay_to_a_sample_or_two():
         value, error = fit.sensor["delay"]
         assert abs(value - late) < 2.5 * error and 2e-3 < error < 1.6e-2
         assert abs(fit.values["mu_plus"] - 0.25) < 2 * fit.errors["mu_plus"] and fit.sensor["gain"][0] == pytest.approx(1.0, abs=1e-3)
+
+    made = Strokes(np.arange(14.0), np.array([1, 1, 1, *[0] * 8, -1, -1, -1]), -9.0, 1.0)  # far from a reversal a line is held
+    h, sooner = np.arange(14.0) ** 2, 1e-6
+    changes = (made.delayed(h, 0.3 - sooner) - made.delayed(h, 0.3 + sooner)) / (2 * sooner)
+    assert made.slope(h, 0.3) == pytest.approx(changes, abs=1e-6) and (changes[2:12] == 0).any()
 
 
 def test_steps_go_on_where_a_number_has_no_effect():

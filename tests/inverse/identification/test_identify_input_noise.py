@@ -175,6 +175,10 @@ def test_a_short_log_by_an_encoder_of_few_counts_is_fitted_over_shorter_windows(
     truth = {"inertia": 0.012, "gravity_torque": 0.3, "friction.mu_plus": 0.03, "friction.viscous": 0.01}
     assert fit.count >= 60 and all(abs(fit.values[n] - w) < 4 * fit.errors[n] for n, w in truth.items())
     assert fit.errors["inertia"] < 0.1 * 0.012 and fit.errors["gravity_torque"] < 0.1 * 0.3
+    delay, late = [n.name for n in fit.problem.numbers].index("delay") + 4, np.array(fit.point)  # by which steps lead to a minimum
+    late[delay] = 0.3 * fit.problem.targets[0].step
+    ahead, behind = (fit.problem.residuals(late + h * np.eye(len(late))[delay]) for h in (1e-7, -1e-7))
+    assert fit.problem.jacobian(late)[:, delay] == pytest.approx((ahead - behind) / 2e-7, rel=1e-4, abs=1e-3)
 
 
 @each_row(("counts", "samples"), [(12, 200), (64, 50)])

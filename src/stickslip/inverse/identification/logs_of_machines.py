@@ -116,15 +116,27 @@ class MachineLog(Compared):
 
     def delayed(self, h: Array, delay: float) -> Any:
         """Values a little later: between windows, and beyond the last one before a reversal or a gap, they change evenly."""
-        t = self.time
-        if len(t) < 3:
+        if len(h) < 3:
             return h
+        left, right, apart = self._around(delay)
+        return h[left] + (h[right] - h[left]) * (self.time - delay - self.time[left]) / apart
+
+    def delay_slope(self, h: Array, delay: float) -> Any:
+        """The change of delayed values with time, exactly that of these lines: steps of a search lead nowhere by another one [1/s]."""
+        if len(h) < 3:
+            return np.zeros(len(h))
+        left, right, apart = self._around(delay)
+        return (h[right] - h[left]) / apart
+
+    def _around(self, delay: float) -> tuple[Any, Any, Any]:
+        """Windows about each delayed instant, between the same reversals, and the time between the two, 1 for one alone."""
+        t = self.time
         apart = np.concatenate([[True], np.diff(self.at) > _APART * np.median(np.diff(self.at)), [True]])
         first = np.maximum.accumulate(np.where(apart[:-1], np.arange(len(t)), 0))
         last = np.minimum.accumulate(np.where(apart[1:], np.arange(len(t)), len(t) - 1)[::-1])[::-1]
         left = np.clip(np.searchsorted(t, t - delay) - 1, first, np.maximum(last - 1, first))
         right = np.minimum(left + 1, last)
-        return h[left] + (h[right] - h[left]) * (t - delay - t[left]) / np.where(right > left, t[right] - t[left], 1.0)
+        return left, right, np.where(right > left, t[right] - t[left], 1.0)
 
     def every(self, step: int) -> MachineLog:
         """Every so many-th window."""

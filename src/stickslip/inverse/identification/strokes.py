@@ -14,6 +14,7 @@ from stickslip.basics.contracts import Array
 
 _OPEN = 1.0  # samples on either side of a reversal that are open, besides those between which it is
 _ROUNDING = 1e-6  # of a sample
+_BEFORE = 2.0  # intervals by which a line within a stroke reaches beyond its two values
 _GAP = 3.0  # times the usual time between values, over which nothing curved is taken between them
 
 
@@ -119,8 +120,9 @@ class Strokes:
 
     def slope(self, h: Array, delay: float) -> Any:
         """The change of these with time."""
-        left, _ = self._places(delay)
-        return np.where(self.open >= 0, 0.0, (h[left + 1] - h[left]) / (self.t[left + 1] - self.t[left]))
+        left, part = self._places(delay)
+        held = (self.open >= 0) | (part <= -_BEFORE) | (part >= 1 + _BEFORE)
+        return np.where(held, 0.0, (h[left + 1] - h[left]) / (self.t[left + 1] - self.t[left]))
 
     def _places(self, delay: float) -> tuple[Any, Any]:
         """The value before each instant, and how far that is on the way to the next one: of a straight line within the same stroke."""
@@ -130,4 +132,4 @@ class Strokes:
         if len(self.runs):
             left = np.where(run < 0, left, np.where(at < self.middle[run], self.before[run], self.after[run]))
         part = (at - t[left]) / (t[left + 1] - t[left])
-        return left, np.where(run < 0, part, np.clip(part, -2.0, 3.0))
+        return left, np.where(run < 0, part, np.clip(part, -_BEFORE, 1 + _BEFORE))
