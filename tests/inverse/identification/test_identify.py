@@ -1,5 +1,6 @@
 """Parameters from records of a known truth: found, with intervals that cover, and with honest words where data cannot tell."""
 
+import dataclasses
 import re
 
 import numpy as np
@@ -11,6 +12,7 @@ from stickslip.basics.errors import InputError
 from stickslip.basics.notebook_display import rounded
 from stickslip.inverse.identification.law_forces import driven_force
 from stickslip.inverse.identification.motions import PrescribedMotion, motion_of
+from stickslip.inverse.identification.ranking import _verdict
 from stickslip.inverse.identification.targets import target
 from stickslip.models.friction.law_adapter import adapted
 
@@ -332,6 +334,13 @@ def test_data_that_cannot_tell_are_said_to():
     both = {law: ss.identify([0.0017, 0.0036, 0.0040, 0.0254], rig, law=law, **arguments) for law in ("coulomb", "lugre")}
     found = ss.identification.rank(both)
     assert not found.decided and "these data cannot" in found.verdict
+    row = lambda label, numbers, aicc, *faults: dataclasses.replace(found.best, label=label, parameters=numbers, aicc=aicc, faults=faults)  # noqa: E731
+    alike = _verdict([row("M5", 9, 0.0), row("odd", 8, 0.5, "a fault"), row("M6", 11, 1.6), row("M7", 12, 3.0), row("M1", 2, 9.0)], None)
+    assert alike[:2] == (("M5", "M6", "M7"), False)
+    assert alike[2] == (
+        "these data cannot distinguish M5 from M6 and M7: all explain them, ΔAICc is 3 at most, less than 4; M5 has the fewest numbers"
+    )
+    assert "M1 has an AICc that is lower by 83.2, but" in _verdict([row("M1", 2, 0.0, "a fault"), row("M6", 9, 83.2)], None)[2]
 
 
 def test_the_papers_question_is_not_decided_by_its_four_numbers():

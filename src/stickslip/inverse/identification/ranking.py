@@ -12,6 +12,7 @@ from stickslip.basics.arguments import described_as, explains_arguments
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.notebook_display import Drawn
+from stickslip.basics.phrases import listed
 from stickslip.inverse.identification.covariance import effective
 from stickslip.inverse.identification.fit import Fit
 from stickslip.inverse.identification.uncertainty import at_zero, faults
@@ -299,13 +300,25 @@ def _verdict(rows: list[Ranked], held_out: dict[str, Any] | None) -> tuple[tuple
     if not np.isfinite(first.aicc) or not np.isfinite(apart):
         return alike, False, "these data cannot decide: there are fewer independent values than fitted numbers"
     if len(alike) > 1:
-        return alike, False, f"these data cannot distinguish {first.label} from {alike[1]}: ΔAICc is {apart:.2g}, less than {UNDECIDED:g}"
+        return alike, False, _undecided([r for r in sound if r.label in alike])
     if apart < UNDECIDED:
-        return alike, True, f"{first.label} is supported: {other.label} has an AICc that is higher by {apart:.3g}, but its fit has a fault"
+        off = f"higher by {apart:.3g}" if apart >= 0 else f"lower by {-apart:.3g}"
+        return alike, True, f"{first.label} is supported: {other.label} has an AICc that is {off}, but its fit has a fault"
     if held_out is not None and first.label in held_out and other.label in held_out:
         decided, verdict = _held_out_verdict([first, other, *(r for r in rows if r not in (first, other))], held_out)
         return alike if decided else (), decided, verdict
     return alike, True, f"{first.label} is supported: ΔAICc to {other.label} is {apart:.3g}"
+
+
+def _undecided(alike: list[Ranked]) -> str:
+    """What is to be said of laws that explain the data as well as one another."""
+    first, *others = alike
+    apart = f"ΔAICc is {others[-1].aicc - first.aicc:.2g}{' at most' if len(others) > 1 else ''}, less than {UNDECIDED:g}"
+    fewest = min(alike, key=lambda row: row.parameters)
+    alone = all(row is fewest or row.parameters > fewest.parameters for row in alike)
+    fewer = f"; {fewest.label} has the fewest numbers" if alone else ""
+    each = "both explain" if len(others) == 1 else "all explain"
+    return f"these data cannot distinguish {first.label} from {listed(row.label for row in others)}: {each} them, {apart}{fewer}"
 
 
 def _held_out_verdict(rows: list[Ranked], held_out: dict[str, Any]) -> tuple[bool, str]:
