@@ -11,7 +11,7 @@ import pytest
 
 import stickslip as ss
 from rows import each_row
-from stickslip.maths import exp, pi, sin, where
+from stickslip.maths import cos, exp, pi, sin, where
 
 DRY, STICTION = ss.Coulomb(0.5, 0.6), ss.Coulomb(0.9, 0.8, f_plus=1.2, f_minus=1.0)
 
@@ -153,3 +153,32 @@ def test_fewer_arguments_are_those_that_stand_first():
     ]
     ends = [ss.solve(Wheel(DRY, load), periods=1).v[-1] for load in loads]
     assert np.ptp(ends, axis=0).max() < 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Hinge(ss.Machine):
+    """A pendulum with a motor, whose hinge is pressed by the size of the torque."""
+
+    omega: float
+    coordinates = ("angle",)
+
+    @property
+    def period(self):
+        return 2 * pi / self.omega
+
+    def bodies(self):
+        return {"rod": ss.Body(1.0, inertia=0.1)}
+
+    def places(self, t, q):
+        return {"rod": (0.5 * sin(q["angle"]), -0.5 * cos(q["angle"]), q["angle"])}
+
+    def forces(self, t, q, u):
+        return {"angle": 4.0 * sin(self.omega * t)}
+
+    def contacts(self):
+        return {"hinge": ss.Contact("angle", ss.Coulomb(0.3, 0.3), load=lambda t, q: 1.0 + 0.5 * abs(4.0 * sin(self.omega * t)))}
+
+
+def test_a_load_whose_corner_is_at_the_end_of_a_period_to_rounding_does_not_hold_it_up():
+    for omega in (13.28836773086349, 30.71020029932251, 28.897961775112257):  # there the sine has its zero a rounding before it
+        assert ss.solve(Hinge(omega), start={"v": {"angle": 0.3}}, periods=4).status == "finished"

@@ -11,6 +11,7 @@ ROUNDING = 3e-14  # of the terms of the polynomial's slope: a misfit below it is
 ROUGH = 2e-15  # of the terms of a rate: what rounding may make of it
 MISFIT_OF_CHANGES = 1e-11  # of a change: what a misfit may add to it in a step
 SHORTEST = 1e-22  # of a period
+LAST_DIGITS = 4.5e-16  # of a time: two roundings of it
 SOON = 1.5e-14  # of a period: 64 roundings of the time
 TOGETHER = 1e-12  # of a step: zeros this close are at one instant, where their order is asked for
 SHARES_OF_POWERS = [1.0 / (m + 1) for m in range(ORDER + 1)]  # the mean of x^m from 0 to 1
@@ -200,11 +201,15 @@ def land_lane(lane, S, ROWS, SIZES, budget, D):
         S[at_t] = S[D[F_TEND] + lane]
         S[at_stat] = 1.0
     else:
+        before = S[at_t]
         S[at_t] += part * h
         if which >= 0:
             status = call_switched(D[AT_SWITCHED], which, lane, S)
             if status > 0:
                 S[at_stat] = status
+            elif last and S[at_t] == before and h <= LAST_DIGITS * S[D[F_TEND] + lane]:
+                S[at_t] = S[D[F_TEND] + lane]  # at the end but for rounding: a guard that is zero there may change sides for ever
+                S[at_stat] = 1.0
         elif part * h < SHORTEST * S[D[F_C] + D[PERIOD] * L + lane]:
             S[at_stat] = 3.0
     if S[at_nacc] > budget and S[at_stat] < 0.5:

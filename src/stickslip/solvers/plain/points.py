@@ -200,7 +200,10 @@ class Points:
             lifts = [side == FLIES for side in sides]
             if any(lift != (not touch) and not (lift and may_lift) for lift, touch in zip(lifts, touches, strict=True)):
                 continue
-            answer = self.solved(sides, self.M @ u, gained + (self.n @ u - before), belt, hit=True)
+            try:
+                answer = self.solved(sides, self.M @ u, gained + (self.n @ u - before), belt, hit=True)
+            except ArithmeticError:  # what each bears does not follow, as of two legs that are parallel
+                continue
             rise, slips = self.n @ answer.after - (self.n @ u - before), self.g @ answer.after + self.belt
             small = _SLACK * speed
             good = [
