@@ -1,5 +1,7 @@
 """Taylor series against Rosenbrock steps: the map of a period of ten thousand random rigs with LuGre friction, and their mean velocities.
 
+With `--law elasto-plastic` the same of that law, without the means.
+
 Every rig settles for 20 periods, then makes one by each method; Rodas5P at 3e-12 is the truth. The bound is 10 times the tolerance, in
 units of A mu omega for the velocity, of what that moves the body in a period, and of the typical deflection. Exit code 1 if one is
 beyond it.
@@ -8,7 +10,7 @@ The mean velocity V is that of the map's fixed point, which Newton's method find
 point by up to ||(I - DP)^-1|| as much. Where this norm is at most 100, V must be within 10 times the tolerance of max(V, .1 A mu omega);
 the other rigs are counted, and so are those in which Newton's method finds none.
 
-    python verification/series_of_robots.py [--cases 10000] [--seed 5]
+    python verification/series_of_robots.py [--cases 10000] [--seed 5] [--law elasto-plastic]
 """
 
 from __future__ import annotations
@@ -24,7 +26,7 @@ from stickslip.solvers import series
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "engine"))
-from test_series import Mapped, drawn
+from test_series import Mapped, drawn, elastic
 
 
 def main() -> int:
@@ -32,7 +34,10 @@ def main() -> int:
     ask = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     ask.add_argument("--cases", type=int, default=10_000)
     ask.add_argument("--seed", type=int, default=5)
+    ask.add_argument("--law", choices=("LuGre", "elasto-plastic"), default="LuGre")
     asked = ask.parse_args()
+    if asked.law == "elasto-plastic":
+        return int(maps(Mapped(elastic(asked.cases, asked.seed)), asked.cases) > 0)
     mapped = Mapped(drawn(asked.cases, asked.seed))
     bad = maps(mapped, asked.cases) + means(mapped, asked.cases)
     return int(bad > 0)

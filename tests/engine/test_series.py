@@ -45,6 +45,16 @@ def drawn(count, seed, only=slice(None)):
     return ss.presets.piezo_rig(**{name: values[only] for name, values in numbers.items()})
 
 
+def elastic(count, seed):
+    """Random rigs under elasto-plastic friction: elastic up to nothing, to any part of sliding, or as far as may be."""
+    rigs, rng = drawn(count, seed), np.random.default_rng(seed + 1)
+    law, load = rigs.friction, float(rigs.total_mass) * 9.81
+    share = np.where(rng.uniform(size=count) < 0.1, 0.0, rng.uniform(0.0, 1.1, count))
+    own = {name: getattr(law, name) for name in ("mu_plus", "mu_minus", "f_plus", "f_minus", "sigma0", "sigma1", "sigma2", "v_s")}
+    back = rng.uniform(0.1, 0.99, count) * law.mu_minus * load / law.sigma0
+    return rigs.replace(friction=ss.friction.ElastoPlastic(**own, z_ba=share * law.mu_plus * load / law.sigma0, z_ba_minus=back))
+
+
 #: Rigs whose velocity falls from many Stribeck velocities through zero within a long step.
 FAST = dict(
     tilt_deg=[0.5371, 0.7537, 0.5924], amplitude=[1.3046e-3, 3.3602e-3, 3.8584e-3], omega=[107.89, 247.7, 198.8],
@@ -94,6 +104,28 @@ class Rational:
 
 
 @dataclass(frozen=True)
+class Kinked(Rational):
+    """Elastic up to a deflection, then more and more plastic until it slides; its rate has no jump there."""
+
+    elastic: float = 1e-7
+
+    def share(self, bent, steady):
+        return where(bent > self.elastic, where(bent > steady, 1.0, (bent - self.elastic) / (steady - self.elastic)), 0.0)
+
+    def rate(self, v, z, load):
+        bent, steady = where(v > 0, z, -z), self.mu * load / self.sigma0 * (1.0 + 0.3 * exp(-((v / self.v_0) ** 2)))
+        return v * (1.0 - self.share(bent, steady) * bent / steady)
+
+
+@dataclass(frozen=True)
+class Jumping(Kinked):
+    """All at once."""
+
+    def share(self, bent, steady):
+        return where(bent > self.elastic, 1.0, 0.0)
+
+
+@dataclass(frozen=True)
 class Curved(Rational):
     """Its rate is not affine in the deflection."""
 
@@ -107,11 +139,11 @@ def rig(friction):
 
 def test_the_equations_say_which_machines_are_taken():
     """No class is asked: a user's own law is taken as LuGre is, and refused for what its equation is."""
-    for law in (ss.LuGre.example(), ss.Dahl.example(), Rational()):
+    for law in (ss.LuGre.example(), ss.Dahl.example(), Rational(), ss.friction.ElastoPlastic.example(), Kinked()):
         assert series.series_refusal(rig(law)) is None
     for law, why in (
         (Curved(), "not affine"),
-        (ss.friction.ElastoPlastic.example(), "no conditions"),
+        (Jumping(), "jumps at one of its conditions"),
         (ss.friction.GMS.example(), "one inner state"),
     ):
         assert why in series.series_refusal(rig(law))
@@ -132,19 +164,19 @@ class Squeezed(Rational):
         return abs(v) * (v / self.v_0 - self.sigma0 * z / (load * self.mu))
 
 
-@pytest.mark.parametrize("law", [ss.LuGre.example(), Rational(), Squeezed()], ids=lambda law: type(law).__name__)
+@pytest.mark.parametrize("law", [ss.friction.ElastoPlastic.example(), Rational(), Squeezed()], ids=lambda law: type(law).__name__)
 def test_a_slaved_state_solves_its_equation(law):
-    """z = (z' - p)/J put into the rate gives z' again, at any numbers: quotients are inverted without one of their own."""
-    from stickslip.engine.graphs import Substituted
+    """z = (z' - p)/J, and on other pieces of a rate what it is more than that, is z again for the z' of any numbers."""
     from stickslip.engine.values import values_of
 
     eq = trace(rig(law))
-    law = slaving(eq)
-    back = Substituted(eq.graph, {eq.y[1].name: law.z}).of(eq.f[1])
-    rng = np.random.default_rng(3)
-    known = {name: rng.uniform(0.5, 1.5, 50) for name in eq.names} | {"v": rng.normal(size=50), "zdot": rng.normal(size=50), "t": 0.3}
-    found = values_of(eq.graph, known, [back])[back.number]
-    np.testing.assert_allclose(found, known["zdot"], rtol=0, atol=1e-12)  # v - v (1 - ...) loses some digits
+    law, rng = slaving(eq), np.random.default_rng(3)
+    known = {name: rng.uniform(0.5, 1.5, 50) for name in eq.names} | {"v": rng.normal(size=50), "z0": rng.normal(size=50), "t": 0.3}
+    known |= {"b0": np.sign(known["v"])} | {f"b{k}": rng.choice((-1.0, 1.0), 50) for k in range(1, eq.signs)}
+    known["zdot"] = values_of(eq.graph, known, [eq.f[1]])[eq.f[1].number]
+    if law.pieces is not None:
+        known["rest"] = values_of(eq.graph, known, [law.pieces.excess])[law.pieces.excess.number]
+    np.testing.assert_allclose(values_of(eq.graph, known, [law.z])[law.z.number], known["z0"], rtol=0, atol=1e-10)
 
 
 # ---- they are right ----
@@ -161,16 +193,16 @@ def test_series_agree_with_rosenbrock_steps_in_all_columns():
 
 def test_one_case_and_many_give_the_same_bits_in_any_order():
     """A lane waits for others, or goes on with them, and nothing of it is seen: neither in twos nor in slices nor alone."""
-    robot = drawn(40, 1)
-    mapped, order = Mapped(robot, settled=0), np.random.default_rng(2).permutation(40)
-    whole = mapped.by(EIGHT, 1e-5, 6)
-    kernel, job = lanes.kernel_of(robot, EIGHT, False), lanes.Job(6, 0, False, 1e-5, 0.75, 1e6)
-    mixed = lanes.run(kernel, mapped.table.rows[order], mapped.start[order], job, slice_calls=7)
-    for name in ("end", "v_max", "wide_min", "friction_power", "seg_time", "seg_code"):
-        np.testing.assert_array_equal(getattr(mixed, name), getattr(whole, name)[order])
-    for k in (0, 17):
-        alone = lanes.run(kernel, mapped.table.rows[k : k + 1], mapped.start[k : k + 1], job)
-        np.testing.assert_array_equal(alone.end[0], whole.end[k])
+    for robot in (drawn(40, 1), elastic(40, 1)):
+        mapped, order = Mapped(robot, settled=0), np.random.default_rng(2).permutation(40)
+        whole = mapped.by(EIGHT, 1e-5, 6)
+        kernel, job = lanes.kernel_of(robot, EIGHT, False), lanes.Job(6, 0, False, 1e-5, 0.75, 1e6)
+        mixed = lanes.run(kernel, mapped.table.rows[order], mapped.start[order], job, slice_calls=7)
+        for name in ("end", "v_max", "wide_min", "friction_power", "seg_time", "seg_code"):
+            np.testing.assert_array_equal(getattr(mixed, name), getattr(whole, name)[order])
+        for k in (0, 17):
+            alone = lanes.run(kernel, mapped.table.rows[k : k + 1], mapped.start[k : k + 1], job)
+            np.testing.assert_array_equal(alone.end[0], whole.end[k])
 
 
 def test_an_exponential_that_is_nothing_where_a_step_begins_is_foreseen():
@@ -189,6 +221,18 @@ def test_velocities_that_dip_through_zero_within_a_step_are_seen():
     mapped = Mapped(drawn(4000, 5, only=[641, 1238, 1123, 2934]))
     found, other = mapped.by(slaved.SERIES[1][1], 1e-7), mapped.by(tableaux.RODAS5P, 1e-10)
     assert mapped.apart(found, other).max() < 1e-5
+
+
+def test_a_rate_of_several_pieces_agrees_with_rosenbrock_steps():
+    """The map of a period within 4 times the tolerance: of 4240 rigs at 1e-4, 1e-6 and 1e-9 none is beyond 2.
+
+    Some in a hundred were wrong by 1e-6 where z crosses its steady value at the turn of v, within a step.
+    """
+    some = Mapped(elastic(240, 5))
+    truth = some.by(tableaux.RODAS5P, 1e-11)
+    for rtol, method in ((1e-4, EIGHT), (1e-9, slaved.SERIES[1][1])):
+        run = some.by(method, series.SAFETY * rtol)
+        assert np.all(run.status == 0) and some.apart(run, truth).max() < 4 * rtol and run.accepted.mean() < 120
 
 
 def slipping(count, seed):
@@ -250,7 +294,7 @@ def test_the_papers_rows_are_those_of_another_integrator_to_the_last_digits(name
 
 @pytest.mark.slow
 @pytest.mark.parametrize("drive", [ss.MultiHarmonic, ss.drives.Trapezoid, ss.drives.BangBang, ss.drives.Sawtooth, ss.drives.Reversed])
-@pytest.mark.parametrize("law", [ss.LuGre.example(), ss.Dahl.example(), Rational()])
+@pytest.mark.parametrize("law", [ss.LuGre.example(), ss.friction.ElastoPlastic.example(), Rational()])
 def test_other_drives_and_laws_agree_with_rosenbrock_steps(drive, law):
     """Breaks, impulses and drives in pieces end steps as they do elsewhere; a curve with a pole is as good as one without."""
     robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=np.linspace(4e-4, 8e-4, 4)).replace(drive=drive.example(), friction=law)

@@ -16,7 +16,7 @@ from typing import Any, TypeAlias
 from stickslip.basics.contracts import Model
 from stickslip.basics.interruption import is_stopped, look
 from stickslip.basics.status import Status
-from stickslip.engine import cache, driver, several_series, slaved, taylor
+from stickslip.engine import cache, driver, several_series, slaved_pieces, taylor
 from stickslip.engine.kernel_text import FUNCTIONS, KernelSource
 from stickslip.engine.kernels import columns
 from stickslip.engine.kinds import known_kind
@@ -197,7 +197,7 @@ def step_of(eq: System, method: AnySteps, record: bool) -> Step:
         return taylor.write_step(eq)
     if isinstance(method, SeveralSeries):
         return several_series.write_step(eq, method, record)
-    return slaved.write_step(eq, method, record) if isinstance(method, Series) else write_step(eq, method, record)
+    return slaved_pieces.write_step(eq, method, record) if isinstance(method, Series) else write_step(eq, method, record)
 
 
 def ordered(k: Kernel, order: int) -> Kernel:

@@ -43,16 +43,17 @@ def write_rows(y: Sequence[Sym], f: Sequence[Sym], wanted: Iterable[Sym], w: Wri
 class RowWriter:
     """The same in two parts: values at the start of the step, which are written at once, and the coefficients, where `write` is called.
 
-    `known` are expressions that have their rows already. Written `out`, the loop is one round after another, and its rows need no memory.
+    `known` are expressions that have their rows already; where these last, new ones are `called` otherwise. Written `out`, the loop is one
+    round after another, and its rows need no memory.
     """
 
     def __init__(
         self, y: Sequence[Sym], f: Sequence[Sym], wanted: Iterable[Sym], w: Writer, start: dict[str, str], order: int,
-        known: dict[int, str] | None = None, out: bool = False,
+        known: dict[int, str] | None = None, out: bool = False, called: str = "_r",
     ):  # fmt: skip
         self.graph, self.w, self.start, self.order, self.out = y[0].graph, w, start, order, out
         self._states = {state.number: i for i, state in enumerate(y)}
-        self._given = known or {}
+        self._given, self._called = known or {}, called
         self._forms: dict[int, Form] = {}
         self.rows: dict[int, str] = dict(self._given)
         self._rates: dict[int, str] = {}  # rows of m times the coefficient
@@ -66,7 +67,7 @@ class RowWriter:
         self._users = self._counted([*kept, *f])
         self._wanted = {node.number for node in kept}
         for node in kept:
-            self.rows.setdefault(node.number, f"_r{len(self.rows)}")
+            self.rows.setdefault(node.number, f"{self._called}{len(self.rows)}")
         texts = [self._linear(self._form(node)) for node in (*kept, *f)]
         while self._waiting:
             self._coefficient(self._waiting.pop())
@@ -203,7 +204,7 @@ class RowWriter:
         """The row of a term's coefficients."""
         if term.number not in self._names:
             self._waiting.append(term)
-        return self.rows.setdefault(term.number, f"_r{len(self.rows)}")
+        return self.rows.setdefault(term.number, f"{self._called}{len(self.rows)}")
 
     def _of_term(self, node: Sym) -> tuple[Sym, Sym]:
         """The term of which an expression's coefficients are multiples, and the factor; an expression of several terms is one itself."""

@@ -72,10 +72,14 @@ def write_step(eq: System, method: Series, record: bool) -> Step:
     equations = slaving(eq)
     if isinstance(equations, str):
         raise TypeError(equations)
-    return _StepWriter(eq, method, equations, record).write()
+    return StepWriter(eq, method, equations, record).write()
 
 
-class _StepWriter:
+class StepWriter:
+    """Writes the lines of a step."""
+
+    ends = "_last or _wrong or _cross"  # what may make a step as short as it likes
+
     def __init__(self, eq: System, method: Series, law: Slaving, record: bool):
         self.eq, self.k, self.law, self.record, self.w = eq, method, law, record, Writer()
         self.n = method.order
@@ -91,7 +95,8 @@ class _StepWriter:
         self._explicit()
         self._end()
         orders = range(self.n + 1)
-        fields = ["t", "tend", "x", "y0", "y1", "b0", "m1", *(f"clk{k}" for k in range(len(self.eq.clocks)))]
+        signs, clocks = range(self.eq.signs), range(len(self.eq.clocks))
+        fields = ["t", "tend", "x", "y0", "y1", *(f"b{k}" for k in signs), "m1", *(f"clk{k}" for k in clocks)]
         fields += ["stat", "nacc", "nrej", "lim", "sort"]
         fields += [] if self.record else ["high_0", "low_0", "looked", "soon", "marks"]  # what follows does not last
         fields += [*(f"{name}_0" for name in NOTED), *(f"k{i}_{m}" for i in (0, 1) for m in orders)]
@@ -110,13 +115,17 @@ class _StepWriter:
         w.line("_slow", "_sort > 0.5 and not _idle")
         w.line("_mine", "not _slow and not _idle")
         self._look_at_start()
-        self.explicit = RowWriter(eq.y, eq.f, [], w, self.start, self.n, out=True)
+        self.explicit = RowWriter(eq.y, self._rates(), [], w, self.start, self.n, out=True)
         self.slope_row = self.explicit.rate(eq.y[0])
         for name in ("went", "v", "z", "dx", "d1"):
             w.line(f"_{name}", "0.0")
         for name in ("cross", "wrong", "last", "done", "refused"):
             w.line(f"_{name}", "False")
         w.line("_most", "1.0 * _y0")
+
+    def _rates(self) -> list[Sym]:
+        """The rates of explicit steps."""
+        return list(self.eq.f)
 
     def _tolerances(self) -> None:
         """_tv: the error of v that a step may make; _size, _bent: sizes of v and z; _low: how far an exponential may rise."""
@@ -221,11 +230,11 @@ class _StepWriter:
         self._foresee(row, "s", "_slow")
         w.line("_off", self._left("_brake", "_brake1", "_brake2"))
         self._shorten(row)
-        end = self.start | {"v": w.line("_vs", "1.0 * _ve"), "t": w.line("_tn", "_t + _h"), law.rate.name: "_sped"}
+        end = self.start | {"v": w.line("_vs", "1.0 * _ve"), "t": w.line("_tn", "_t + _h"), law.rate.name: "_sped"} | self._rest("_h")
         first, last = self._first(), w.value(law.weight, end)
         w.line("_zn", f"1.0 * {w.value(law.z, end)}")
         same = ["_slow", "_y0 * _b0 > 0.0", "_ve * _b0 > 0.0", "_off * _h <= _ts", f"abs({last}) * _late * _h <= _ts"]
-        w.line("_done", " and ".join([*same, f"abs({first} * (_y1 - _zs)) <= _ts"]))
+        w.line("_done", " and ".join([*same, f"abs({first} * (_y1 - _zs)) <= _ts", *self._solves_rest(last)]))
         self._gone("_done", row, "_zr", "_y0", "_zs", "_zn")
         w.line("_refused", "_slow and not _done")
         w.begin("if _refused")
@@ -247,12 +256,13 @@ class _StepWriter:
             w.line(row, f"row({n + 1})")
         for name in ("_brake", "_brake1", "_brake2", "_zs", "_dz0"):
             w.line(name, "0.0")
-        at_rest = Substituted(graph, {law.rate.name: graph.constant(0.0)})
+        at_rest = Substituted(graph, dict.fromkeys(law.swept, graph.constant(0.0)))
+        self._begin_rest()
         self._sweep(at_rest.of(law.braked), at_rest.of(law.z), {})
         w.begin(f"for m in each(0, {n + 1})")
         w.line("_dz[m]", "0.0")
         w.end()
-        for node in law.not_of_rate(graph):
+        for node in law.not_swept(graph):
             self._value(node)
         w.begin(f"for sweep in range(1, {self.k.sweeps})")
         w.begin(f"for m in each(0, {n})")
@@ -261,14 +271,15 @@ class _StepWriter:
         w.end()
         w.line(f"_dz[{n}]", "0.0")
         w.line("_dz0", "1.0 * _dz[0]")
-        row = self._sweep(law.braked, law.z, {law.rate.number: "_dz"})
+        row = self._sweep(law.braked, law.z, {law.rate.number: "_dz"} | self._rest_row())
+        self._write_rest(row)
         w.end()
         return row
 
     def _sweep(self, braked: Sym, z: Sym, known: dict[int, str]) -> str:
         """The series of v with a known z', and that of z, which follows from it."""
         w, n = self.w, self.n
-        bind = self.start | {self.law.rate.name: "_dz0"}
+        bind = self.start | {self.law.rate.name: "_dz0"} | self._rest()
         rows = RowWriter([self.eq.y[0]], [braked], [z], w, bind, n, known, out=True)
         rows.write()
         w.line("_brake2", "1.0 * _brake1")
@@ -280,9 +291,28 @@ class _StepWriter:
         w.end()
         return rows.rows[self.eq.y[0].number]
 
+    # A rate of several pieces has a rest; here there is none.
+    def _begin_rest(self) -> None:
+        """The rest of the first sweep."""
+
+    def _write_rest(self, v: str) -> None:
+        """The rest for the next sweep, which follows from what this one found."""
+
+    def _solves_rest(self, weight: str) -> list[str]:
+        """Whether it is what it follows from, where the step ends, as far as matters: conditions."""
+        return []
+
+    def _rest_row(self) -> dict[int, str]:
+        """Its row, by the number of the variable that stands for it."""
+        return {}
+
+    def _rest(self, h: str = "") -> dict[str, str]:
+        """What the variable is where the step begins, or at h."""
+        return {}
+
     def _first(self) -> str:
         """The derivative of the acceleration by z' at the start of the step."""
-        return self.w.value(self.law.weight, self.start | {self.law.rate.name: "_dz0"})
+        return self.w.value(self.law.weight, self.start | {self.law.rate.name: "_dz0"} | self._rest())
 
     def _shorten(self, row: str) -> None:
         """Shorten a step at whose end z would be less slaved, or the sweeps further apart, than is tolerated; _sped: z' at the end."""
@@ -459,6 +489,7 @@ class _StepWriter:
         w.line("_was", "1.0 * _sort")
         w.line("_made", "_done or _mine")
         w.line("_heads", "abs(_d1) * (_y0 * _y0) < _below * _fast * (_v * _v) and _lim >= 0.0 and _v * _b0 > 0.0")
+        self._settle()
         w.line("_begun", "1.0 * _t")
         if self.record:
             w.line("_x0", "1.0 * _x")
@@ -471,7 +502,7 @@ class _StepWriter:
         w.line("_lim", "0.0 if (_cross or _wrong) else _lim")
         w.line("_sort", "1.0 if (_made and _heads) else (0.0 if (_made or _refused) else _sort)")
         w.line("_nacc", "_nacc + (1.0 if _made else 0.0)")
-        w.line("_short", f"_went < fma(_t, 4.5e-16, 1e-25 * {self._value(eq.period)}) and _made and not (_last or _wrong or _cross)")
+        w.line("_short", f"_went < fma(_t, 4.5e-16, 1e-25 * {self._value(eq.period)}) and _made and not ({self.ends})")
         w.line("_t", "_tend if _last else _t + _went")
         w.line("_stat", f"1.0 if _last else ({Status.TOO_SMALL}.0 if _short else _stat)")
         w.line("_stat", f"{Status.NOT_A_NUMBER}.0 if (_y0 != _y0 or _y1 != _y1) else _stat")
@@ -480,6 +511,9 @@ class _StepWriter:
         if not self.record:  # which sort of step a lane wants next, and whether something is to be noted, or there is no case
             w.line("_soon", "_sort + (2.0 if (_stat > 0.5 or _looked > 0.5) else 0.0)")
             w.line("_marks", "bits(_soon != _was and not _idle)")
+
+    def _settle(self) -> None:
+        """What else must hold that z may be slaved."""
 
     def _look_at_end(self) -> None:
         """Values recorded at the end of a step if the lane is observed."""

@@ -383,7 +383,7 @@ class Graph:
         """`yes` where held > 0, else `no`."""
         if held.op == "constant":
             return yes if held.value > 0 else no
-        return yes if yes is no else self._node("select", (held, yes, no))
+        return yes if yes is no or (is_zero(yes) and is_zero(no)) else self._node("select", (held, yes, no))
 
     def by_side(self, a: Sym, forwards: Sym, backwards: Sym, neither: Sym) -> Sym:
         """`forwards` where a > 0, `backwards` where a < 0, else `neither`: what a mode of +1, -1 or 0 chooses, or a velocity."""
