@@ -41,7 +41,7 @@ def explorer():
 
 @pytest.fixture(scope="module")
 def page(browser, explorer):
-    made = Page(browser, explorer, viewport={"width": 380, "height": 800})
+    made = Page(browser, explorer, width=380, height=800)
     made.open()
     yield made
     assert made.errors == [] and made.outside == []

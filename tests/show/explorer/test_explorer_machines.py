@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from browsed import Page
 from every import every_machine, with_bodies
-from explorers import PATIENCE, Explorer, answer
+from explorers import Explorer, answer
 from rows import each_row
 from stickslip.basics.fields import leaves
 from stickslip.basics.number_names import numbers_meant
@@ -160,13 +161,8 @@ def test_a_report_and_a_study_file_can_be_taken_home(explorer, tmp_path):
 
 
 # ---- the page ----
-def opened(browser, explorer, hash="", **options):
-    page = browser.new_context(**{"viewport": {"width": 1200, "height": 900}, "reduced_motion": "reduce", **options}).new_page()
-    page.set_default_timeout(PATIENCE * 1000)
-    page.on("pageerror", lambda error: pytest.fail(str(error)))
-    page.goto(explorer.address + hash)
-    page.locator("html[data-drawn$='fine']").wait_for(state="attached")
-    return page
+def opened(page, hash="", **options):
+    return page.anew(**options).open(hash).page
 
 
 def settled(page, act):
@@ -181,8 +177,8 @@ def mean(page):
     return float(page.locator("#means dd").first.inner_text().split()[0].replace("−", "-"))
 
 
-def test_a_slider_moves_the_picture_and_the_address_keeps_it(browser, explorer):
-    page = opened(browser, explorer)
+def test_a_slider_moves_the_picture_and_the_address_keeps_it(kept_page):
+    page = opened(kept_page)
     assert mean(page) == pytest.approx(1e3 * ss.mean_velocity(ss.solve(CHAIN, periods=60)), rel=1e-3)  # four digits
     first = page.locator(".trace").first.get_attribute("points")
     slider = page.locator("[id='p-phases.1']")
@@ -191,19 +187,20 @@ def test_a_slider_moves_the_picture_and_the_address_keeps_it(browser, explorer):
     assert mean(page) == pytest.approx(1e3 * ss.mean_velocity(wanted), rel=1e-3)
     assert page.locator(".trace").first.get_attribute("points") != first
     page.wait_for_function("() => location.hash === '#phases.1=0.5'")
-    again = opened(browser, explorer, "#phases.1=0.5")
-    assert again.locator("[id='p-phases.1']").input_value() == "0.5" and mean(again) == mean(page)
+    slid = mean(page)
+    opened(kept_page, "phases.1=0.5")
+    assert slider.input_value() == "0.5" and mean(page) == slid
     settled(page, lambda: page.locator("#reset-all").click())
     assert page.locator(".trace").first.get_attribute("points") == first
 
 
-def test_a_link_with_numbers_that_are_not_here_says_so(browser, explorer):
+def test_a_link_with_numbers_that_are_not_here_says_so(page):
     """Those of an older version, of another machine, or damaged ones."""
-    page = opened(browser, explorer, "#phases.1=0.5&drive.frequency=3&link.stiffness=much")
-    told = page.locator("#left-out")
+    shown = opened(page, "phases.1=0.5&drive.frequency=3&link.stiffness=much")
+    told = shown.locator("#left-out")
     assert told.is_visible() and "The link says drive.frequency, link.stiffness: no such number is here" in told.inner_text()
-    assert page.locator("[id='p-phases.1']").input_value() == "0.5"
-    assert not opened(browser, explorer, "#phases.1=0.5").locator("#left-out").is_visible()
+    assert shown.locator("[id='p-phases.1']").input_value() == "0.5"
+    assert not opened(page, "phases.1=0.5").locator("#left-out").is_visible()
 
 
 def test_numbers_that_only_change_together_have_one_slider():
@@ -214,8 +211,8 @@ def test_numbers_that_only_change_together_have_one_slider():
     assert next(iter(shown.groups)) == "" and "*.omega" in Shown(ss.presets.conveyor()).numbers
 
 
-def test_what_is_typed_may_lie_beyond_the_slider_and_what_is_wrong_is_said(browser, explorer):
-    page = opened(browser, explorer)
+def test_what_is_typed_may_lie_beyond_the_slider_and_what_is_wrong_is_said(page):
+    page = opened(page)
     typed = page.locator("[id='n-link.stiffness']")
     settled(page, lambda: typed.fill("5000"))
     assert float(page.locator("[id='p-link.stiffness']").get_attribute("max")) == 5000.0
@@ -231,8 +228,8 @@ def test_what_is_typed_may_lie_beyond_the_slider_and_what_is_wrong_is_said(brows
     assert typed.get_attribute("aria-invalid") == "true"
 
 
-def test_the_bars_of_the_page_are_the_stretches_of_the_run(browser, explorer):
-    page = opened(browser, explorer)
+def test_the_bars_of_the_page_are_the_stretches_of_the_run(page):
+    page = opened(page)
     run = ss.solve(CHAIN, periods=60)
     T = run.period_time
     for i, name in enumerate(run.contacts):
@@ -248,8 +245,8 @@ def test_the_bars_of_the_page_are_the_stretches_of_the_run(browser, explorer):
     assert 100 * float(re.match(r"[\d.]+", tick)[0]) / float(place[:-1]) == pytest.approx(1e3 * T, rel=1e-5) and tick.endswith("ms")
 
 
-def test_the_picture_moves_bodies_by_one_measure(browser, explorer):
-    page = opened(browser, explorer)
+def test_the_picture_moves_bodies_by_one_measure(page):
+    page = opened(page)
     places = []
     for k in (0, 120, 300):
         page.locator("#moving input").fill(str(k))
@@ -261,8 +258,8 @@ def test_the_picture_moves_bodies_by_one_measure(browser, explorer):
 
 
 @each_row("width", [1200, 380])
-def test_bodies_have_their_names_and_numbers_of_several_parts_are_told_apart(browser, explorer, width):
-    page = opened(browser, explorer, viewport={"width": width, "height": 800})
+def test_bodies_have_their_names_and_numbers_of_several_parts_are_told_apart(page, width):
+    page = opened(page, width=width, height=800)
     names = page.locator(".stage text").evaluate_all("all => all.map(t => [t.textContent, t.getBoundingClientRect().left])")
     assert [name for name, _ in sorted(names, key=lambda each: each[1])] == ["module 2", "module 1"], "plus is to the right"
     inside = page.locator(".stage").evaluate(
@@ -276,8 +273,8 @@ def test_bodies_have_their_names_and_numbers_of_several_parts_are_told_apart(bro
 
 
 @pytest.mark.parametrize(("scheme", "width"), [("light", 1200), ("dark", 380)])
-def test_axe_finds_nothing_and_nothing_sticks_out(browser, explorer, scheme, width):
-    page = opened(browser, explorer, color_scheme=scheme, viewport={"width": width, "height": 800})
+def test_axe_finds_nothing_and_nothing_sticks_out(page, scheme, width):
+    page = opened(page, color_scheme=scheme, width=width, height=800)
     page.evaluate(AXE.read_text(encoding="utf-8"))
     found = page.evaluate("axe.run(document, {resultTypes: ['violations']})")
     assert [(v["id"], v["nodes"][0]["html"]) for v in found["violations"]] == []
@@ -288,7 +285,7 @@ def test_a_joint_is_shown_in_its_own_quantities(browser):
     """A dial with a hand for the angle and one for the target, error and torque; nothing in metres."""
     made = Explorer("servo")
     with contextlib.closing(made):
-        page = opened(browser, made)
+        page = opened(Page(browser, made))
         assert page.locator(".stage .hand, .stage .wanted").count() == 2
         shown = page.locator("#now").inner_text()
         assert re.search(r"error at the end\s+0\.02834 rad\b", shown) and re.search(r"largest torque applied\s+0\.5 N m\b", shown)

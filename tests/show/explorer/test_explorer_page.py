@@ -44,14 +44,6 @@ ROOM = """found => {
 }"""
 
 
-@pytest.fixture
-def page(browser, explorer):
-    made = Page(browser, explorer)
-    with contextlib.closing(made.context):
-        yield made
-        assert made.errors == [] and made.outside == []
-
-
 def expected(**changes):
     """What the page should show for a state: mean velocity to four digits, and type."""
     found = state(changes)
@@ -229,17 +221,15 @@ def test_what_is_chosen_for_the_axes_is_shown_whole(page):
         assert page.page.locator(f"#{name}").evaluate(ROOM) >= 0, name
 
 
-def test_the_tools_take_the_width_of_a_phone(browser, explorer):
+def test_the_tools_take_the_width_of_a_phone(page):
     """In three lines below the name, each list wide enough for its text."""
-    page = Page(browser, explorer, viewport={"width": 380, "height": 800})
-    with contextlib.closing(page.context):
-        page.open()
-        name, tools, state = (page.page.locator(part).bounding_box() for part in ("header h1", ".tools", "#link"))
-        assert name["y"] + name["height"] <= tools["y"] and state["y"] + state["height"] <= tools["y"] and tools["width"] > 350
-        lines = {round(page.page.locator(f"#{part}").bounding_box()["y"]) for part in ("preset", "undo", "pin", "share", "export", "theme")}
-        assert len(lines) == 3 and tools["height"] < 150
-        for part in ("preset", "export", "theme"):
-            assert page.page.locator(f"#{part}").evaluate(ROOM) >= 0, part
+    page.anew(width=380, height=800).open()
+    name, tools, state = (page.page.locator(part).bounding_box() for part in ("header h1", ".tools", "#link"))
+    assert name["y"] + name["height"] <= tools["y"] and state["y"] + state["height"] <= tools["y"] and tools["width"] > 350
+    lines = {round(page.page.locator(f"#{part}").bounding_box()["y"]) for part in ("preset", "undo", "pin", "share", "export", "theme")}
+    assert len(lines) == 3 and tools["height"] < 150
+    for part in ("preset", "export", "theme"):
+        assert page.page.locator(f"#{part}").evaluate(ROOM) >= 0, part
 
 
 def test_a_drag_on_the_map_zooms_and_whole_goes_back(page):
@@ -302,8 +292,8 @@ def test_the_robot_stands_still_where_motion_is_not_wanted_and_steps(page):
     assert page.page.locator("#robot").evaluate("c => c.toDataURL()") != frames[0]
 
 
-def test_the_robot_moves_where_motion_is_welcome_until_it_is_paused(browser, explorer):
-    page = Page(browser, explorer, reduced_motion="no-preference").open()
+def test_the_robot_moves_where_motion_is_welcome_until_it_is_paused(page):
+    page.anew(reduced_motion="no-preference").open()
     page.page.locator("#robot").scroll_into_view_if_needed()
 
     def moves():
@@ -314,7 +304,6 @@ def test_the_robot_moves_where_motion_is_welcome_until_it_is_paused(browser, exp
     assert moves()
     page.page.locator("#play").click()
     assert not moves()
-    page.context.close()
 
 
 def test_what_is_typed_in_the_fields_of_a_log_stays_while_it_is_read_again_and_sliders_fill_them(page, tmp_path):
@@ -572,31 +561,27 @@ def test_everything_can_be_done_with_keys(page):
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @each_row("width", [380, 1200])
-def test_axe_finds_no_violation(browser, explorer, scheme, width):
-    page = Page(browser, explorer, color_scheme=scheme, viewport={"width": width, "height": 900})
-    page.open("law=lugre&also=coulomb")
+def test_axe_finds_no_violation(page, scheme, width):
+    page.anew(width, color_scheme=scheme).open("law=lugre&also=coulomb")
     map_ready(page)
     page.page.locator("#code summary").click()
     page.page.evaluate(AXE.read_text(encoding="utf-8"))
     found = page.page.evaluate("axe.run(document, {resultTypes: ['violations']})")
     assert [(v["id"], [n["target"] for n in v["nodes"]][:3]) for v in found["violations"]] == []
     assert len(found["passes"]) > 20
-    page.context.close()
 
 
 @each_row("width", [380, 768, 1200, 1920, 3840])
-def test_nothing_sticks_out_sideways(browser, explorer, width):
-    page = Page(browser, explorer, viewport={"width": width, "height": 900})
-    page.open()
+def test_nothing_sticks_out_sideways(page, width):
+    page.anew(width).open()
     assert page.page.evaluate("document.documentElement.scrollWidth") <= width
     wider = "all => all.filter(el => el.scrollWidth > el.parentElement.clientWidth + 1).length"
     cut = page.page.locator(".merits output").evaluate_all(wider)
     assert cut == 0
-    page.context.close()
 
 
-def test_the_curves_stay_in_sight_on_a_phone(browser, explorer):
-    page = Page(browser, explorer, viewport={"width": 380, "height": 800}).open()
+def test_the_curves_stay_in_sight_on_a_phone(page):
+    page.anew(width=380, height=800).open()
     page.page.locator("input[name=inner_mass]").focus()
     page.page.wait_for_function(
         """() => {
@@ -605,7 +590,6 @@ def test_the_curves_stay_in_sight_on_a_phone(browser, explorer):
             return curves.top >= 0 && curves.bottom <= slider.top && slider.bottom <= innerHeight;
         }"""
     )
-    page.context.close()
 
 
 def test_the_skip_link_leads_to_the_results(page):
@@ -615,8 +599,8 @@ def test_the_skip_link_leads_to_the_results(page):
     assert page.page.evaluate("document.activeElement.id") == "results"
 
 
-def test_colours_follow_the_system_and_the_choice(browser, explorer):
-    page = Page(browser, explorer, color_scheme="dark").open()
+def test_colours_follow_the_system_and_the_choice(page):
+    page.anew(color_scheme="dark").open()
     paper = "getComputedStyle(document.body).backgroundColor"
     dark = page.page.evaluate(paper)
     page.page.locator("#theme").select_option("light")
@@ -624,7 +608,6 @@ def test_colours_follow_the_system_and_the_choice(browser, explorer):
     assert sum(map(int, re.findall(r"\d+", dark))) < 150 < 600 < sum(map(int, re.findall(r"\d+", light)))
     page.page.reload()
     assert page.page.evaluate(paper) == light
-    page.context.close()
 
 
 # the connection ---------------------------------------------------------------------------------------------------
@@ -678,30 +661,27 @@ def test_no_host_but_ours_is_asked_for_anything(page):
 
 # ---- make it faster ----
 @each_row("width", [1280, 380])
-def test_make_it_faster_moves_the_sliders_and_goes_back(browser, explorer, width):
-    made = Page(browser, explorer, viewport={"width": width, "height": 900})
-    with contextlib.closing(made.context):
-        made.open()
-        now = made.velocity()
-        assert made.page.locator("#faster input[value=relative_acceleration]").is_checked(), "a limit, if none is chosen"
-        made.page.locator("#faster-find").click()
-        rows = made.page.locator("#faster-rows tr")
-        rows.first.wait_for()
-        told = [cell.replace("−", "-") for cell in rows.first.locator("td").all_inner_texts()]
-        assert float(told[0].removesuffix(" mm/s")) == pytest.approx(1e3 * now, rel=1e-3)
-        faster = float(told[1].removesuffix(" mm/s")) * 1e-3
-        assert faster > 1.5 * now
-        with made.change():
-            made.page.locator("#faster-take").click()
-        assert made.velocity() == pytest.approx(faster, rel=1e-3)
-        # the best is at the slider's end; a busy machine may end the search before it is quite there
-        assert float(made.page.locator("input[name=amplitude]").input_value()) > 0.9 * PARAMETERS["amplitude"].high
-        with made.change():
-            made.page.locator("#faster-back").click()
-        assert made.velocity() == pytest.approx(now, rel=1e-3)
-        assert made.page.locator("#faster-found").is_hidden()
-        assert made.page.evaluate("document.documentElement.scrollWidth") <= width
-        assert not made.errors and not made.outside
+def test_make_it_faster_moves_the_sliders_and_goes_back(page, width):
+    page.anew(width).open()
+    now = page.velocity()
+    assert page.page.locator("#faster input[value=relative_acceleration]").is_checked(), "a limit, if none is chosen"
+    page.page.locator("#faster-find").click()
+    rows = page.page.locator("#faster-rows tr")
+    rows.first.wait_for()
+    told = [cell.replace("−", "-") for cell in rows.first.locator("td").all_inner_texts()]
+    assert float(told[0].removesuffix(" mm/s")) == pytest.approx(1e3 * now, rel=1e-3)
+    faster = float(told[1].removesuffix(" mm/s")) * 1e-3
+    assert faster > 1.5 * now
+    with page.change():
+        page.page.locator("#faster-take").click()
+    assert page.velocity() == pytest.approx(faster, rel=1e-3)
+    # the best is at the slider's end; a busy machine may end the search before it is quite there
+    assert float(page.page.locator("input[name=amplitude]").input_value()) > 0.9 * PARAMETERS["amplitude"].high
+    with page.change():
+        page.page.locator("#faster-back").click()
+    assert page.velocity() == pytest.approx(now, rel=1e-3)
+    assert page.page.locator("#faster-found").is_hidden()
+    assert page.page.evaluate("document.documentElement.scrollWidth") <= width
 
 
 def test_numbers_may_be_typed_with_units_and_undo_takes_them_back(page):
@@ -740,7 +720,7 @@ def test_a_pinned_motion_stays_beside_the_next_ones(page):
 
 def test_a_finger_hits_every_control_of_a_phone(browser, explorer):
     """44 px at least: the checkboxes and the file by their labels."""
-    page = Page(browser, explorer, viewport={"width": 380, "height": 800}, device_scale_factor=2)
+    page = Page(browser, explorer, width=380, height=800, device_scale_factor=2)
     with contextlib.closing(page.context):
         page.open()
         small = page.page.locator("button:visible, select:visible, input:visible, summary:visible, nav a:visible").evaluate_all(
@@ -751,7 +731,7 @@ def test_a_finger_hits_every_control_of_a_phone(browser, explorer):
 
 @each_row("width", [380, 1280])
 def test_the_page_is_no_wider_than_the_screen_and_all_sliders_can_be_reached(browser, explorer, width):
-    page = Page(browser, explorer, viewport={"width": width, "height": 800}, device_scale_factor=2)
+    page = Page(browser, explorer, width=width, height=800, device_scale_factor=2)
     with contextlib.closing(page.context):
         page.open()
         assert page.page.evaluate("document.documentElement.scrollWidth") <= width

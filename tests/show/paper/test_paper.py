@@ -587,6 +587,7 @@ def test_each_figure_fits_a_screen_side_by_side(browser, result):
     tall = page.evaluate("[...document.querySelectorAll('.screen')].map(each => each.getBoundingClientRect().height)")
     assert len(tall) == len(FAST_FIGURES) and max(tall) <= 801
     assert page.evaluate("[...document.querySelectorAll('.three > div')].every(each => each.innerText.length > 25)")
+    page.close()
 
 
 @each_row("width", [1280, 380])
@@ -599,6 +600,7 @@ def test_nothing_sticks_out_and_what_scrolls_shows_it(browser, result, width):
         ".map(each => getComputedStyle(each).backgroundImage)"
     )
     assert all(edge.count("gradient") == 4 for edge in edges) and (width > 380 or len(edges) > 5)
+    page.close()
 
 
 # doors --------------------------------------------------------------------------------------------------------------

@@ -1,5 +1,6 @@
 """Reports of runs and studies: one page that needs nothing else and says what was computed."""
 
+import contextlib
 import json
 import re
 from dataclasses import dataclass
@@ -112,37 +113,40 @@ def pages(run, machines, tmp_path_factory):
     return [write(folder / "run.html", run_page(run, "Run")), write(folder / "study.html", study_page(plane, "Study")), *of_machines]
 
 
-def opened(browser, path, **options):
-    """The page, offline; whatever goes wrong on it is an error."""
-    page = browser.new_context(offline=True, **{"viewport": {"width": 1200, "height": 900}, **options}).new_page()
-    page.on("pageerror", lambda error: pytest.fail(str(error)))
-    page.goto(path.as_uri())
-    return page
+@contextlib.contextmanager
+def opened(browser, width=1200, height=900, **options):
+    """A page that is offline; whatever goes wrong on it is an error."""
+    context = browser.new_context(offline=True, viewport={"width": width, "height": height}, **options)
+    with contextlib.closing(context):
+        page = context.new_page()
+        page.on("pageerror", lambda error: pytest.fail(str(error)))
+        yield page
 
 
 def test_a_chart_tells_values_zooms_and_hides_curves(browser, pages, run):
-    page = opened(browser, pages[0], reduced_motion="reduce")
-    box = page.locator(".chart").nth(1)
-    box.locator(".plot").focus()
-    for _ in range(41):
-        page.keyboard.press("ArrowRight")
-    told = box.locator("button").first.inner_text()
-    assert re.fullmatch(r"\s*friction force R\s+−?[\d.]+ mN", told) and "ms" in box.locator("output").inner_text()
-    made = forces(run)["curves"][0]["y"][40]
-    assert float(re.search(r"−?[\d.]+(?= mN)", told)[0].replace("−", "-")) == pytest.approx(made, rel=1e-4)
-    page.keyboard.press("Escape")
-    whole = box.locator("canvas").evaluate("c => c.toDataURL()")
-    box.locator("button").first.click()
-    assert box.locator("button").first.get_attribute("aria-pressed") == "false"
-    drawn(box, "!==", whole)
-    box.locator("button").first.click()
-    drawn(box, "===", whole)
-    for x in (100, 200):  # hovering waits until the chart rests where it is
-        box.locator(".u-over").hover(position={"x": x, "y": 50})
-        page.mouse.down() if x == 100 else page.mouse.up()
-    drawn(box, "!==", whole)
-    box.get_by_role("button", name="Show all").click()
-    drawn(box, "===", whole)
+    with opened(browser, reduced_motion="reduce") as page:
+        page.goto(pages[0].as_uri())
+        box = page.locator(".chart").nth(1)
+        box.locator(".plot").focus()
+        for _ in range(41):
+            page.keyboard.press("ArrowRight")
+        told = box.locator("button").first.inner_text()
+        assert re.fullmatch(r"\s*friction force R\s+−?[\d.]+ mN", told) and "ms" in box.locator("output").inner_text()
+        made = forces(run)["curves"][0]["y"][40]
+        assert float(re.search(r"−?[\d.]+(?= mN)", told)[0].replace("−", "-")) == pytest.approx(made, rel=1e-4)
+        page.keyboard.press("Escape")
+        whole = box.locator("canvas").evaluate("c => c.toDataURL()")
+        box.locator("button").first.click()
+        assert box.locator("button").first.get_attribute("aria-pressed") == "false"
+        drawn(box, "!==", whole)
+        box.locator("button").first.click()
+        drawn(box, "===", whole)
+        for x in (100, 200):  # hovering waits until the chart rests where it is
+            box.locator(".u-over").hover(position={"x": x, "y": 50})
+            page.mouse.down() if x == 100 else page.mouse.up()
+        drawn(box, "!==", whole)
+        box.get_by_role("button", name="Show all").click()
+        drawn(box, "===", whole)
 
 
 def drawn(box, how, before):
@@ -154,25 +158,28 @@ def drawn(box, how, before):
 
 @pytest.mark.parametrize(("scheme", "width"), [("light", 1200), ("dark", 380)])
 def test_axe_finds_nothing_on_a_report_and_nothing_sticks_out(browser, pages, scheme, width):
-    for path in pages:
-        page = opened(browser, path, color_scheme=scheme, viewport={"width": width, "height": 800})
-        page.evaluate(AXE.read_text(encoding="utf-8"))
-        found = page.evaluate("axe.run(document, {resultTypes: ['violations']})")
-        assert [(v["id"], v["nodes"][0]["html"]) for v in found["violations"]] == []
-        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    with opened(browser, width, 800, color_scheme=scheme) as page:
+        for path in pages:
+            page.goto(path.as_uri())
+            page.evaluate(AXE.read_text(encoding="utf-8"))
+            found = page.evaluate("axe.run(document, {resultTypes: ['violations']})")
+            assert [(v["id"], v["nodes"][0]["html"]) for v in found["violations"]] == []
+            assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
 
 
 def test_the_pictures_stay_where_no_script_runs_and_in_print(browser, pages):
-    for path in pages:
-        plain = opened(browser, path, java_script_enabled=False)
-        figures = plain.locator("figure")
-        assert all(figures.nth(i).locator("img").is_visible() for i in range(figures.count()))
-        assert not plain.locator(".chart").first.is_visible()
-        page = opened(browser, path)
-        asked = page.locator("figure.asked").first
-        assert asked.locator(".chart").is_visible() and not asked.locator("img").is_visible()
-        page.emulate_media(media="print")
-        assert asked.locator("img").is_visible() and not asked.locator(".chart").is_visible()
+    with opened(browser, java_script_enabled=False) as plain, opened(browser) as page:
+        for path in pages:
+            plain.goto(path.as_uri())
+            figures = plain.locator("figure")
+            assert all(figures.nth(i).locator("img").is_visible() for i in range(figures.count()))
+            assert not plain.locator(".chart").first.is_visible()
+            page.emulate_media(media="screen")
+            page.goto(path.as_uri())
+            asked = page.locator("figure.asked").first
+            assert asked.locator(".chart").is_visible() and not asked.locator("img").is_visible()
+            page.emulate_media(media="print")
+            assert asked.locator("img").is_visible() and not asked.locator(".chart").is_visible()
 
 
 def test_the_pdf_of_every_report_has_every_picture(browser, pages, tmp_path):
