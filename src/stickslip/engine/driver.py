@@ -17,7 +17,7 @@ from stickslip.engine.machine_code import Compiled
 from stickslip.engine.shared_arrays import SHARED
 from stickslip.engine.taylor import ORDER
 from stickslip.engine.texts import recurrence_text, status_text
-from stickslip.engine.unforeseen import POINTS
+from stickslip.engine.unforeseen import MISFIT, POINTS, ROUNDING_OF_SLOPES
 
 #: What few kernels need of the driver, compiled where one does: its functions, its texts, and what a person is told.
 _APART = {
@@ -38,6 +38,7 @@ _COLUMNS = (
     "F_T0", "F_HH", "F_X0", "F_SIDE", "F_LAST", "F_TOP", "WATCHED", "EXPONENTS", "F_CLEAR", "COORDINATES", "CONTACTS", "SHARES",
     "SHARE_AT", "PASSIVE", "CARRIED", "DELAY_AT", "ORDERED", "SIGNALS", "RATIOS", "BODIES", "ARMS", "PLACES", "F_FIRED", "LOOKED",
     "F_LOOKED", "SAMPLE_AT", "F_SOON", "F_MARKS", "F_LIM", "F_SORT", "F_TAIL", "F_HIGH", "F_LOW", "LASTING",
+    "F_ENDS", "F_MEAN", "F_RATES", "F_FITS",
 )  # fmt: skip
 
 #: Of these the places of a lane's fields.
@@ -124,7 +125,8 @@ def _landing(lanes: int, order: int) -> Any:
 
 
 def _of_landing(lanes: int, order: int) -> str:
-    return f"ORDER, L, STRIDE, POINTS = {order}, {lanes}, {lanes}, {POINTS}"
+    numbers = (order, lanes, lanes, POINTS, MISFIT, ROUNDING_OF_SLOPES)
+    return f"ORDER, L, STRIDE, POINTS, MISFIT, ROUNDING_OF_SLOPES = {', '.join(map(repr, numbers))}"
 
 
 def _kinds(names: Iterable[str]) -> dict[str, str]:

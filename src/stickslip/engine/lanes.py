@@ -302,7 +302,7 @@ def layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[in
     }  # fmt: skip
     firsts = {
         "F_B": "b0", "F_ON": "on0", "F_M": "m1", "F_K": "k0_0", "F_MODE": "mode0", "F_CLK": "clk0", "F_G": "g0_0", "F_CLEAR": "clear0",
-        "F_HELD": "side" if eq.labels else "held0",
+        "F_HELD": "side" if eq.labels else "held0", "F_ENDS": "ends0", "F_RATES": "rates0",
     }  # fmt: skip
     fields = {name: name.removeprefix("F_").lower() for name in driver.FIELDS} | firsts
     return {name: offsets.get(field, offsets.get(f"{field}_0", -1)) for name, field in fields.items()} | named, tuple(scale_at)

@@ -24,7 +24,7 @@ from stickslip.basics.status import Status
 from stickslip.engine.graphs import Substituted
 from stickslip.engine.rosenbrock_step import Step, sides
 from stickslip.engine.rows import RowWriter
-from stickslip.engine.slaving import Slaving, slaving
+from stickslip.engine.slaving import Slaving
 from stickslip.engine.steptext import bound
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import System
@@ -65,14 +65,6 @@ SLACK = 2.0  # by how much less z may be slaved at a step's end
 CUTS = 20  # of a step in which an exponential rises too far
 NOTED = ("ratio", "tail", "t0", "hh", "top")  # of a step, where somebody looks
 TINY = 1e-14  # of the velocity scale: below it a velocity is zero
-
-
-def write_step(eq: System, method: Series, record: bool) -> Step:
-    """The lines of one step; with `record` the dense output's coefficients are kept always, else while a lane is looked at."""
-    equations = slaving(eq)
-    if isinstance(equations, str):
-        raise TypeError(equations)
-    return StepWriter(eq, method, equations, record).write()
 
 
 class StepWriter:

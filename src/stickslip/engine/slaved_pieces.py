@@ -13,7 +13,7 @@ from __future__ import annotations
 from stickslip.engine.graphs import Substituted
 from stickslip.engine.rosenbrock_step import Step
 from stickslip.engine.rows import RowWriter
-from stickslip.engine.slaved import ROUNDS, Series, StepWriter, write_step as write_plain
+from stickslip.engine.slaved import ROUNDS, Series, StepWriter
 from stickslip.engine.slaving import Slaving, slaving
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import System
@@ -25,11 +25,11 @@ NEAR = 0.1  # of z: excess from which on it is not slaved
 
 
 def write_step(eq: System, method: Series, record: bool) -> Step:
-    """The lines of one step, as those of `slaved.py`."""
+    """The lines of one step under a law of either sort; with `record` the dense output is kept always, else while a lane is looked at."""
     law = slaving(eq)
-    if isinstance(law, str) or law.pieces is None:
-        return write_plain(eq, method, record)
-    return _PiecesWriter(eq, method, law, record).write()
+    if isinstance(law, str):
+        raise TypeError(law)
+    return (StepWriter if law.pieces is None else _PiecesWriter)(eq, method, law, record).write()
 
 
 class _PiecesWriter(StepWriter):

@@ -17,13 +17,15 @@ from stickslip.engine.rows import write_rows
 from stickslip.engine.steptext import bound, held
 from stickslip.engine.symbols import CASE, Sym
 from stickslip.engine.system import System, TracedContact, TracedSwitch
-from stickslip.engine.unforeseen import FLOOR, LAST, NEAR_POLE, Way, active
+from stickslip.engine.unforeseen import FLOOR, LAST, MISFIT, NEAR_POLE, POINTS, ROUNDING_OF_SLOPES, Way, active, hides
 from stickslip.engine.values import needed_by
 from stickslip.engine.write import LOG_OF_BITS, Writer, horner, literal
 
 ORDER, HIGHER = 16, 24  # the second where a matrix of inertia varies: steps cost more than their coefficients there
 LONGEST = 0.25  # of a period
 ROUNDING = 1e-16  # of a state's scale: what a step may leave out
+MOST_CHECKED = 3  # states: of more, each lane is checked for itself
+TOGETHER = 4  # points of a step at which it is checked side by side
 BESIDE = 2e-10  # of its size: how much further than such a guard its border is
 AT_BORDER = "fma(1e-11, {}, 1e-12)"  # of a period, in s: from where on such a border is reached; nearer, coefficients are no numbers
 WIDER = 5.0  # how much larger a coefficient may be than the next one, at the end of a step of order `HIGHER`
@@ -112,6 +114,9 @@ class _SeriesWriter:
         self.w.line("_ratio", "1.0")
         self._length()
         self._polynomials()
+        self._whole()
+        if self._checks:
+            self._check()
         for switch in self.eq.switches.values():  # what they need is held by the lane too
             for new in (*switch.modes, *switch.states):
                 self._hold(new)
@@ -125,8 +130,14 @@ class _SeriesWriter:
         fields = ["t", "tend", "x", *(f"y{i}" for i in states), *(f"b{k}" for k in range(eq.signs)), *(s.name for s in eq.modes)]
         fields += [*(f"clk{k}" for k in range(len(eq.clocks))), *(f"m{i}" for i in states if i), "stat", "nacc", "nrej", "ratio"]
         fields += ["t0", "hh", "x0", *sides(eq), "last", "top", *ended_by(eq), *(f"k{i}_{m}" for i in states for m in orders)]
+        fields += [*(f"ends{i}" for i in states), "mean", "rates0", "rates1", *(["fits"] if self._checks else [])]
         searched = [*(f"g{k}" for k in range(len(self.watched))), *(f"e{k}" for k in range(len(self.rising)))]
         return fields + [f"{row}_{m}" for row in searched for m in orders] + [f"clear{k}" for k in range(len(searched))]
+
+    @property
+    def _checks(self) -> bool:
+        """Whether the polynomials of a whole step are held against the equations for all lanes at once."""
+        return hides(self.eq) and self.eq.states <= MOST_CHECKED and not self.eq.passive
 
     def _value(self, node: Sym) -> str:
         return self.w.value(node, self.start)
@@ -246,8 +257,64 @@ class _SeriesWriter:
             if row:
                 term = w.line(w.fresh(), f"_power * ({factor} * {row}[m])" if factor else f"_power * {row}[m]")
                 w.line(f"{name}[m]", term)
-                w.line(f"_clear{k}", f"_clear{k} - abs({term})")
+                w.line(f"_clear{k}", f"_clear{k} + ({term} if {term} < 0.0 else 0.0)")
         w.end()
+
+    def _whole(self) -> None:
+        """What a lane asks of a step that no event ends: the states there, the mean of the first, and its slope there and half the way."""
+        w, n = self.w, self.order
+        states = range(self.eq.states)
+        for i in states:
+            w.line(f"_ends{i}", f"1.0 * _k{i}[{n}]")
+        w.line("_mean", f"{literal(1.0 / (n + 1))} * _k0[{n}]")
+        for name in ("_rates0", "_rates1"):
+            w.line(name, f"{n}.0 * _k0[{n}]")
+        w.begin(f"for q in range(1, {n})")
+        for i in states:
+            w.line(f"_ends{i}", f"_ends{i} + _k{i}[{n} - q]")
+        w.line("_mean", f"fma(1.0 / ({n + 1}.0 - q), _k0[{n} - q], _mean)")
+        w.line("_term", f"({n}.0 - q) * _k0[{n} - q]")
+        w.line("_rates0", "_rates0 + _term")
+        w.line("_rates1", "fma(_rates1, 0.5, _term)")
+        w.end()
+        for i in states:
+            w.line(f"_ends{i}", f"_ends{i} + _k{i}[0]")
+        w.line("_mean", "_mean + _k0[0]")
+
+    def _check(self) -> None:
+        """_fits: whether the slopes of the polynomials are what the equations say, at `POINTS` points of the whole step."""
+        w, n, eq = self.w, self.order, self.eq
+        states = range(eq.states)
+        for i in states:
+            w.line(f"_terms{i}", "0.0")
+        w.begin(f"for m in range(1, {n + 1})")
+        for i in states:
+            w.line(f"_terms{i}", f"fma(1.0 * m, abs(_k{i}[m]), _terms{i})")
+        w.end()
+        sizes = [eq.free_velocity if i == 0 else eq.scales[i] for i in states]
+        asked = [(i, size) for i, size in enumerate(sizes) if size is not None]
+        for i, size in asked:
+            w.line(f"_slack{i}", f"fma({literal(ROUNDING_OF_SLOPES)}, _terms{i}, {literal(MISFIT)} * {self._value(size)})")
+        w.line("_good", "_hh > 0.0")
+        w.begin(f"for j in range(0, {POINTS // TOGETHER})")
+        points = range(TOGETHER)
+        for p in points:
+            w.line(f"_px{p}", f"fma({literal(TOGETHER / POINTS)}, j, {literal((p + 1) / POINTS)})")
+            for i in states:
+                w.line(f"_pv{i}_{p}", f"1.0 * _k{i}[{n}]")
+                w.line(f"_ps{i}_{p}", "0.0")
+        w.begin(f"for q in range(1, {n + 1})")
+        for p in points:
+            for i in states:
+                w.line(f"_ps{i}_{p}", f"fma(_ps{i}_{p}, _px{p}, _pv{i}_{p})")
+                w.line(f"_pv{i}_{p}", f"fma(_pv{i}_{p}, _px{p}, _k{i}[{n} - q])")
+        w.end()
+        for p in points:
+            there = self.start | {y.name: f"_pv{i}_{p}" for i, y in enumerate(eq.y)} | {"t": w.line(f"_pt{p}", f"fma(_px{p}, _hh, _t)")}
+            for i, _ in asked:
+                w.line("_good", f"_good and abs(fma(-_hh, {w.value(eq.f[i], there)}, _ps{i}_{p})) <= _slack{i}")
+        w.end()
+        w.line("_fits", "1.0 if _good else 0.0")
 
     def _guard(self, number: int, k: int, guard: Sym) -> tuple[str, str, str, str]:
         """A polynomial's name, the row that it is made of (none if it does not vary), what its flag multiplies it by, and its beginning."""

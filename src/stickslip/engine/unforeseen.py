@@ -24,6 +24,8 @@ NEAR_POLE = 1e-5  # of a quotient: its last terms in a step are at most this, wh
 #: Up to these weights the last two of 16 coefficients show one of them, and the last `LAST` of the order that a varying inertia has.
 WEIGHT, WEIGHT_OF_INERTIA = 3.0, 6.0
 LAST = 6
+MISFIT = 2e-14  # of the free velocity: what a misfit may add to the velocity in a step
+ROUNDING_OF_SLOPES = 3e-14  # of the terms of the polynomial's slope: a misfit below it is rounding
 POINTS = 8  # of a step at which the polynomial is held against the equation: one vector
 
 #: The choices on the way to a part of an equation: what is asked, and whether it must be above zero.

@@ -6,8 +6,6 @@
 # What a guard has more than all its other coefficients together (F_CLEAR) says whether it can be zero in the step at all.
 
 BELOW = 1.0  # an exponent nearer to the floor than this is no longer waited for
-MISFIT = 2e-14  # of the free velocity: what a misfit may add to the velocity in a step
-ROUNDING = 3e-14  # of the terms of the polynomial's slope: a misfit below it is rounding
 ROUGH = 2e-15  # of the terms of a rate: what rounding may make of it
 MISFIT_OF_CHANGES = 1e-11  # of a change: what a misfit may add to it in a step
 SHORTEST = 1e-22  # of a period
@@ -41,14 +39,14 @@ def first_zero(S, at, h, period):
     return first_below(S, at, ORDER, noise)
 
 
-@typed(float64(f1, int64, float64))
-def extremum(S, at, end):
+@typed(float64(f1, int64, float64, float64, float64, float64))
+def extremum(S, at, end, half_rate, end_rate, end_value):
     """The largest or smallest value before `end` of a polynomial that turns once; its value there if it does not turn."""
-    lo, hi, d0, d1 = 0.0, end, S[at + L], slope_at(S, at, ORDER, end)
+    lo, hi, d0, d1 = 0.0, end, S[at + L], end_rate
     if d0 * d1 >= 0.0:  # after break-away the rate is zero at first, to rounding: it shows its sign further on
-        lo, d0 = 0.5 * end, slope_at(S, at, ORDER, 0.5 * end)
+        lo, d0 = 0.5 * end, half_rate
     if d0 * d1 >= 0.0:
-        return value_at(S, at, ORDER, end)
+        return end_value
     return value_at(S, at, ORDER, turning_point(S, at, ORDER, lo, hi, d0, d1))
 
 
@@ -58,7 +56,7 @@ def fitting(S, at, row, slopes, part, h, allowed, least, ROWS):
     size = 0.0
     for m in range(1, ORDER + 1):
         size += m * abs(S[at + m * L])
-    allowed = max(allowed + ROUNDING * part * size, least)
+    allowed = max(allowed + ROUNDING_OF_SLOPES * part * size, least)
     for j in range(POINTS):
         if not abs(ROWS[slopes + j] - h * ROWS[row + j]) * part <= allowed:
             return j
@@ -149,7 +147,8 @@ def end_of_step(lane, S, ROWS, SIZES, D):
             theta, which = zero, np.float64(k) if k < D[WATCHED] else -1.0
     for i in range(D[STATES] - D[PASSIVE] if touched and D[CARRIED] > 0 else D[STATES], D[STATES]):
         S[D[F_K] + lane + i * (ORDER + 1) * L] = math.nan  # a switch that is touched and not crossed leaves changes without a number
-    if D[AT_SLOPES] == 0 or not moving(lane, S, D):
+    fits = D[F_FITS] >= 0 and S[D[F_FITS] + lane] > 0.5  # on the whole step, and so on any part
+    if D[AT_SLOPES] == 0 or fits or not moving(lane, S, D):
         return theta, which
     rough = 0.0
     for _ in range(200):
@@ -179,18 +178,28 @@ def land_lane(lane, S, ROWS, SIZES, budget, D):
     S[D[F_T0] + lane], S[D[F_X0] + lane] = S[at_t], S[at_x]
     for i in range(D[CONTACTS]):
         S[D[F_SIDE] + i * L + lane] = S[D[F_MODE] + i * L + lane]
-    S[D[F_TOP] + lane] = extremum(S, at_k, part)
+    whole = theta > 1.0  # then the step's own lines know what is there
+    if whole:
+        v, d1, d0 = S[D[F_ENDS] + lane], S[D[F_RATES] + lane], S[D[F_RATES] + L + lane]
+    else:
+        v, d1, d0 = value_at(S, at_k, ORDER, part), slope_at(S, at_k, ORDER, part), slope_at(S, at_k, ORDER, 0.5 * part)
+    S[D[F_TOP] + lane] = extremum(S, at_k, part, d0, d1, v)
     if D[F_FIRED] >= 0:
         S[D[F_FIRED] + lane] = guard
     bad = False
     for i in range(states):
-        y = value_at(S, at_k + i * (ORDER + 1) * L, ORDER, part)
+        if i == 0:
+            y = v
+        elif whole and i < states - D[PASSIVE]:
+            y = S[D[F_ENDS] + i * L + lane]
+        else:
+            y = value_at(S, at_k + i * (ORDER + 1) * L, ORDER, part)
         S[at_y + i * L] = y
         bad = bad or (y != y and i < states - D[PASSIVE])
         if i > 0:
             S[D[F_M] + (i - 1) * L + lane] = max(S[D[F_M] + (i - 1) * L + lane], abs(y))
     if D[CYCLIC] == 1:
-        S[at_x] += h * part * mean_to(S, at_k, part)
+        S[at_x] += h * (S[D[F_MEAN] + lane] if whole else part * mean_to(S, at_k, part))
     else:
         S[at_x] = S[at_y + (states - D[PASSIVE] - D[COORDINATES]) * L]
     S[at_nacc] += 1.0
