@@ -274,10 +274,10 @@ def test_a_capsule_doubles_its_period_where_its_runs_do():
     assert flip.orbit.differences[0] == pytest.approx(-1.0, abs=1e-6), "by differences of the strobe map"
     beside = ss.bifurcation(ss.presets.capsule, parameter="omega", values=flip.value + np.array([-4e-3, 4e-3]), settle=1500, follow=False)
     assert beside.period.values.tolist() == [[2, 1]]
-    ax = ss.plot.continuation([branch, branch.doubled()], diagram=beside)
+    doubled = branch.doubled(stop=1.17)
+    ax = ss.plot.continuation([branch, doubled], diagram=beside)
     assert ax.get_ylabel() == "velocity of body on the strobe (mm/s)"
     assert {"flip", "unstable", "brute force"} <= {text.get_text() for text in ax.get_legend().get_texts()}
-    doubled = branch.doubled(stop=1.17)
     drawn = ss.plot.continuation(doubled, "v.inner", special=False).lines
     states = [state[1] for state in strobe_states(doubled.orbits[-1].run)[:2]]
     assert {min(states), max(states)} <= {float(y) for line in drawn for y in line.get_ydata()}, "both strobe points are drawn"

@@ -168,8 +168,7 @@ def test_coefficients_of_machines_with_places_are_those_of_a_second_method():
     rail = type("Driven", (CartPole,), {"period": 1.25})(1.0, 0.8, 0.5, ss.Coulomb(0.1, 0.12))
     for model in (rail, POLE, ARM):
         assert trace.trace(model).graph.linear
-        for seed in range(3):
-            assert compared(model, np.random.default_rng(seed))[0] <= ROUNDINGS, (type(model).__name__, seed)
+        assert compared(model, np.random.default_rng(0))[0] <= ROUNDINGS, type(model).__name__
 
 
 def test_places_cost_a_product_of_series_for_each_that_cannot_be_spared():

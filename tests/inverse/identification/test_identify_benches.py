@@ -112,7 +112,7 @@ def test_uneven_times_are_made_even_and_said():
     t = rec["angle"].time + 1e-3 * np.random.default_rng(0).uniform(-1, 1, len(rec["angle"]))
     rng = np.random.default_rng(3)
     uneven = ss.Record.of(t, {"angle [rad]": motion(t)[0], "torque [N m]": torque(t) + 2e-4 * rng.normal(size=len(t))})
-    fit = ss.identify(uneven, START, free=FREE, sensor={}, starts=8)
+    fit = ss.identify(uneven, START, free=FREE, sensor={}, starts=2)
     assert "the times are uneven" in fit.report() and clock_of(rec, "force", "record 0").notes == ()
     kept = np.flatnonzero(abs(rec["angle"].time - 2.0) > 0.5)
     columns = {"angle [rad]": rec["angle"].si[kept], "torque [N m]": rec["force"].si[kept]}

@@ -70,6 +70,7 @@ def test_every_law_holds_the_claims(name):
     assert len(report.claims) >= 6
 
 
+@pytest.mark.slow
 @each_row("law", EVERY.values(), ids=EVERY)
 def test_every_law_holds_the_claims_under_another_load(law):
     """The paper's weight; ElastoPlastic's z_ba stays below mu N / sigma0 there."""

@@ -33,7 +33,6 @@ def guards(e: Equations, t: float, y: Array, mode: ContactModes, with_noise: boo
     q, u = e.state(y)
     w = e.slips(t, q, u)
     noise = e.noise_of_slips(t, q, u, w) if with_noise else [0.0] * len(w)
-    loads = e.loads(t, y, mode)
     guards = [
         Guard("slip", i, 0, side * w[i] + e.no_reversal[i], noise[i] or NOTHING)
         for i, side in enumerate(mode.sides[: e.k])
@@ -41,8 +40,8 @@ def guards(e: Equations, t: float, y: Array, mode: ContactModes, with_noise: boo
     ]  # fmt: skip
     guards += [_of_load(e, t, y, mode, i, load) for i, load in enumerate(e.least_loads(t, y, mode))]
     guards += [Guard("border", i, 0, border, 0.0) for i, border in e.borders(t, y, mode).items()]
-    for i, load in enumerate(e.kept_positive(loads)):
-        if e.laws[i].switching:
+    if e.switching:
+        for i, load in enumerate(e.kept_positive(e.loads(t, y, mode))):
             guards += [Guard("switch", i, n, float(guard), 0.0) for n, (guard, _, _) in enumerate(e.switches(y, i, mode, w[i], load))]
     guards += _limits(e, t, y, mode)
     small = e.noise_of_gaps(q)

@@ -104,7 +104,7 @@ class Equations:
         self.least = [law.least_creep(self.scale_of_velocity, mechanics.difference(i)) for i, law in enumerate(self.laws)]
         self.no_reversal = [_HELD * self.scale_of_velocity if law.holds_velocity else 0.0 for law in self.laws]
         self.first, self.last, self.first_loads = -math.inf, math.inf, [0.0] * len(self.laws)
-        self.of_motion = any(mechanics.of_motion)
+        self.of_motion, self.switching = any(mechanics.of_motion), any(law.switching for law in self.laws)
         self.grounded = [0.0] * self.k  # no contact is in flight
         self.forces, self.pressing = Watching(self._moved), Watching(self._pressed if self.of_motion else mechanics.loads)
         self.last_state: tuple[Any, ...] = ()
@@ -158,8 +158,8 @@ class Equations:
 
     def state(self, y: Any) -> tuple[Floats, Floats]:
         """Coordinates and their velocities."""
-        values = np.asarray(y[: 2 * self.n], float).tolist()
-        return values[: self.n], values[self.n :]
+        values = y if type(y) is list else y.tolist() if isinstance(y, np.ndarray) else list(map(float, y))
+        return values[: self.n], values[self.n : 2 * self.n]
 
     def z(self, y: Any, i: int) -> tuple[float, ...]:
         """Inner states of a contact."""
@@ -261,11 +261,11 @@ class Equations:
 
     def _by_side(self, t: float, y: ArrayLike, kinks: Sides) -> tuple[Floats, Floats]:
         """Loads of contacts that slide forwards, or are about to, and backwards; the same twice where no load depends on the motion."""
-        q, u = self.state(y)
+        t, (q, u) = self.time(t), self.state(y)
         of = (q, u, self.controlled(y)) if self.of_motion else (q,)
-        state = (kinks, self.time(t), *map(tuple, of))
+        state = (kinks, t, *map(tuple, of))
         if state != self.last_state:  # the guards of one instant ask several times
-            both = self.pressing(kinks, self.time(t), *of)
+            both = self.pressing(kinks, t, *of)
             self.last_state, self.last_loads = state, (both[: self.k], both[self.k : 2 * self.k]) if self.of_motion else (both, both)
             self.last_limits = (both[2 * self.k : 3 * self.k], both[3 * self.k :]) if len(both) > 2 * self.k else None
         return self.last_loads

@@ -59,15 +59,16 @@ class _Step:
         end, after = (self.end, self.after) if end is None else (end, self.dense(end))
         return part_of(self.equations, self.dense, self.degree, self.start, end, self.before, after, self.mode)
 
-    def guards(self, t: float) -> list[float]:
-        return [guard.value for guard in guards(self.equations, t, self.dense(t), self.mode, with_noise=False)]
+    def guards(self, t: float, y: Any = None) -> list[float]:
+        y = self.dense(t) if y is None else y
+        return [guard.value for guard in guards(self.equations, t, y, self.mode, with_noise=False)]
 
     def first_event(self, before: list[Guard], fresh: set[int]) -> tuple[float, int] | None:
         """Time and number of the guard that falls to zero first; `fresh` ones have just begun at zero and rise."""
-        looks = np.arange(-1, (count := self._looks()) + 2) / count
-        times = self.start + looks * (self.end - self.start)
+        times = self.start + np.arange(-1, (count := self._looks()) + 2) / count * (self.end - self.start)
         first = [guard.value for guard in before]
-        values = np.array([first if look == 0.0 else self.guards(float(t)) for look, t in zip(looks, times, strict=True)])
+        states = np.ascontiguousarray(self.dense(times).T)
+        values = np.array([first if n == 1 else self.guards(float(t), y) for n, (t, y) in enumerate(zip(times, states, strict=True))])
         first_zero: tuple[float, int] | None = None
         for k, guard in enumerate(before):
             end = self.end if first_zero is None else first_zero[0]
