@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import mpmath as mp
 import numpy as np
@@ -16,7 +16,10 @@ from models.machines.test_any_coordinates import ARM, POLE
 from models.machines.test_rails import CartPole
 from problems import chain
 from stickslip.basics.batch import rows_of
+from stickslip.basics.fields import leaves
 from stickslip.engine import lanes, taylor, trace
+from stickslip.engine.roundings import Sizes
+from stickslip.engine.steptext import bound
 from stickslip.engine.symbols import TraceError
 from stickslip.engine.unforeseen import hides
 from stickslip.engine.values import values_of
@@ -213,3 +216,40 @@ def test_two_modules_move_as_the_reference_says_and_alike_on_one_lane_and_sixtee
         assert np.array_equal(getattr(many, name), getattr(one, name)), name
     velocity = many.displacement / pair.period
     assert velocity[:2] == pytest.approx([0.002383491055471, 0.002938713863365], abs=5e-15)  # last printed digit 1e-15
+
+
+@dataclass(frozen=True, eq=False)
+class Hanging(ss.Machine):
+    """Four links that hang from one another, with friction in their joints."""
+
+    coordinates = ("1", "2", "3", "4")
+
+    def bodies(self):
+        return {n: ss.Body(0.4, inertia=0.005) for n in self.coordinates}
+
+    def places(self, t, q):
+        x, z, places = 0.0, 0.0, {}
+        for n in self.coordinates:
+            across, up = 0.2 * ss.maths.sin(q[n]), -0.2 * ss.maths.cos(q[n])
+            places[n] = (x + across, z + up, q[n])
+            x, z = x + 2 * across, z + 2 * up
+        return places
+
+    def contacts(self):
+        rows = {n: {n: 1.0, **({before: -1.0} if before else {})} for before, n in zip(("", *"123"), "1234", strict=True)}
+        return {n: ss.Contact(row, ss.Coulomb(0.3, 0.2), load=0.5) for n, row in rows.items()}
+
+
+def test_roundings_of_what_solves_equations_are_a_part_of_its_terms():
+    """Pivots are made of pivots: terms multiplied out said 1e50 for rates of 10, beside which every rate was none."""
+    eq = trace.trace(Hanging())
+    sizes = Sizes(eq, [])
+    wanted = [(sizes.of(f), sizes._value(f)) for f in eq.f[:4]]
+    given = {y.name: v for y, v in zip(eq.y, (1.3, 1.3, 1.3, 1.3, 0.1, 0.2, 0.3, 0.8), strict=True)} | {eq.t.name: 0.0}
+    modes = {mode.name: side for mode, side in zip(eq.modes, (1.0, -1.0, -1.0, 0.0), strict=True)}
+    own = {name[1:]: (given | modes)[by] for by, name in bound(eq).items() if by in given | modes}
+    constants = values_of(eq.graph, given | modes | dict(leaves(Hanging())), sizes.w.case_nodes)
+    own |= {f"c{k}": float(constants[node.number]) for k, node in enumerate(sizes.w.case_nodes)}
+    names = plain(sizes.w.lines, own)
+    for size, rate in wanted:
+        assert abs(names[rate]) <= names[size] < 1e6 * max(1.0, abs(names[rate]))

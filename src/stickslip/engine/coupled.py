@@ -11,11 +11,14 @@ from functools import reduce
 from typing import Any
 
 from stickslip.engine.assembly import Assembly
+from stickslip.engine.graphs import Substituted
 from stickslip.engine.linear_systems import extended
 from stickslip.engine.symbolic import Symbolic
 from stickslip.engine.symbols import Graph, Sym
 from stickslip.engine.system import Branches, TracedContact
+from stickslip.models.friction.law_adapter import TINY
 
+_DECIDED = "slip that is decided"
 _TIE = 1e-13  # of the terms of a condition: what rounding may make of one that holds with equality
 SLIP = 1.5e-14  # of a velocity, 64 roundings: what a slip may be that is zero
 
@@ -167,7 +170,7 @@ def add_box(parts: Assembly, group: list[int], speeds: list[Sym | None]) -> Box:
         slip = graph.by_side(mode, m.slips[i], -m.slips[i], one)
         exactly = without_slip(m, i)
         parts.events += [
-            (slip, box.decided(arrives), exactly, 0),
+            (slip, box.decided(arrives, i), exactly, 0),
             (resting(high - forces[i]), {i: one}, exactly, 0),
             (resting(forces[i] - low), {i: -one}, exactly, 0),
         ]
@@ -201,7 +204,11 @@ def _box_of(parts: Assembly, group: list[int]) -> Box:
             for i in group
             for k in group
         }
-    return Box(graph, {i: parts.modes[i] for i in group}, slide, limits, G, free)
+    modes = {i: parts.modes[i] for i in group}
+    if m.equations.joined:
+        friction = {i: FrictionAtOnce(parts, i, lambda side, i=i: m.load(i, side)) for i in group}  # type: ignore[misc]
+        return _BoxInPlane(parts, friction, modes, slide, limits, G, free)
+    return Box(graph, modes, slide, limits, G, free)
 
 
 def _changes(m: Symbolic, i: int, accelerations: tuple[Sym, ...]) -> list[Any]:
@@ -330,15 +337,21 @@ class Box:
             forces[i] = graph.by_side(modes[i], self.slide[i][0], self.slide[i][1], at_rest)
         return forces
 
-    def decided(self, now: dict[int, Sym]) -> dict[int, Sym]:
-        """Modes of the contacts: the first combination that agrees with its own forces, those with more contacts at rest first."""
+    def combinations(self) -> list[dict[int, int]]:
+        """All that contacts may do together, those with more at rest first."""
+        every = itertools.product((0, 1, -1), repeat=len(self.group))
+        together = (sides for sides in every if self._rest([i for i, side in zip(self.group, sides, strict=True) if not side]))
+        return [dict(zip(self.group, sides, strict=True)) for sides in sorted(together, key=_sliding)]
+
+    def decided(self, now: dict[int, Sym], touched: int | None = None) -> dict[int, Sym]:
+        """Modes of the contacts: the first combination that agrees with its own forces, those with more contacts at rest first.
+
+        `touched` is the one that has just come to rest.
+        """
         graph, group = self.graph, self.group
         one = graph.constant(1.0)
-        every = itertools.product((0, 1, -1), repeat=len(group))
-        sets = sorted((sides for sides in every if self._rest([i for i, side in zip(group, sides, strict=True) if not side])), key=_sliding)
         new = {i: graph.constant(0.0) for i in group}
-        for sides in reversed(sets):
-            given = dict(zip(group, sides, strict=True))
+        for given in reversed(self.combinations()):
             agrees = reduce(lambda rest, condition: graph.select(condition, rest, -one), self._conditions(given, now), one)
             new = {i: graph.select(agrees, graph.constant(float(given[i])), new[i]) for i in group}
         return new
@@ -366,6 +379,67 @@ class Box:
                 begins = side * rates[i] + self.G[i, i] * slack
                 conditions.append(graph.select(moves, side * now[i], begins))
         return conditions
+
+
+class _BoxInPlane(Box):
+    """That of bodies whose places follow from coordinates, as the judge decides it: what rested before stays if it can.
+
+    What begins to slip feels kinetic friction, and what slips that of its slip at the instant.
+    """
+
+    def __init__(self, parts: Assembly, friction: dict[int, FrictionAtOnce], *given: Any):
+        super().__init__(parts.m.graph, *given)
+        self.friction = friction
+
+    def decided(self, now: dict[int, Sym], touched: int | None = None) -> dict[int, Sym]:
+        """Modes of the contacts: of the combinations that agree one in which all rest that rested, if there is one; else as elsewhere."""
+        graph, one, zero = self.graph, self.graph.constant(1.0), self.graph.constant(0.0)
+        free = {i: one if i == touched else graph.by_side(now[i], one, one, -one) for i in self.group}
+        friction = {i: self.friction[i].at(now[i]) for i in self.group}
+        whole, kept, keeps = dict.fromkeys(self.group, zero), dict.fromkeys(self.group, zero), zero
+        for given in reversed(self.combinations()):
+            agrees = reduce(lambda rest, condition: graph.select(condition, rest, -one), self._conditions_of(given, now, friction), one)
+            stays = reduce(lambda rest, i: graph.select(free[i], rest, -one), [i for i, side in given.items() if side], agrees)
+            whole = {i: graph.select(agrees, graph.constant(float(given[i])), whole[i]) for i in self.group}
+            kept = {i: graph.select(stays, graph.constant(float(given[i])), kept[i]) for i in self.group}
+            keeps = graph.select(stays, one, keeps)
+        return {i: graph.select(keeps, kept[i], whole[i]) for i in self.group}
+
+    def _conditions_of(self, given: dict[int, int], now: dict[int, Sym], friction: dict[int, tuple[Sym, Sym]]) -> list[Sym]:
+        """Conditions of a combination, positive if met."""
+        graph, one = self.graph, self.graph.constant(1.0)
+        sliding = {i: friction[i][0 if side > 0 else 1] for i, side in given.items() if side}
+        held = self.held(tuple(i for i, side in given.items() if not side), self.beta(sliding))
+        rates, conditions = self.beta(sliding | held), list[Sym]()
+        for i, side in given.items():
+            low, high = self.limits[i]
+            slack = _TIE * (high - low)
+            if side == 0:
+                conditions += [graph.by_side(now[i], -one, -one, one), high - held[i] + slack, held[i] - low + slack]
+            else:
+                conditions.append(graph.by_side(now[i], side * one, -side * one, side * rates[i] + self.G[i, i] * slack))
+        return conditions
+
+
+class FrictionAtOnce:
+    """Friction of a contact at an instant that is decided, whatever the mode says that ends: its law is asked at the slip there.
+
+    `load` gives its load, of a contact that slips, or is about to, to a side.
+    """
+
+    def __init__(self, parts: Assembly, i: int, load: Callable[[float], Any]):
+        m, before = parts.m, parts.m.graph.at_once
+        self.graph, self.slip, loads = m.graph, m.slips[i], {side: load(side) for side in (1.0, -1.0)}
+        self.graph.at_once = True  # conditions of the law are those of this slip
+        self.asked = {side: m.lift(m.laws[i].sliding(self.graph.variable(_DECIDED), of)) for side, of in loads.items()}
+        self.graph.at_once = before
+
+    def at(self, now: Sym) -> tuple[Sym, Sym]:
+        """The forces forwards and backwards of a slip that goes to a side `now`, or is about to go to one."""
+        graph = self.graph
+        slips = {side: graph.select(side * now, self.slip, graph.constant(side * TINY)) for side in (1.0, -1.0)}
+        forwards, backwards = (Substituted(graph, {_DECIDED: slips[side]}).of(force) for side, force in self.asked.items())
+        return forwards, backwards
 
 
 def _sliding(sides: tuple[int, ...]) -> int:

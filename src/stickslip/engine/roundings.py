@@ -18,10 +18,14 @@ from stickslip.engine.write import Writer
 
 
 class Sizes:
-    """Writes the size of an expression: the sum of the absolute values of all terms that it is made of."""
+    """Writes the size of an expression: the sum of the absolute values of all terms that it is made of.
+
+    Of what solves linear equations that would be beyond all measure, as pivots are made of pivots: there relative roundings of factors
+    add up.
+    """
 
     def __init__(self, eq: System, case_nodes: list[Sym]):
-        self.w, self.start = Writer(), bound(eq)
+        self.w, self.start, self.solves = Writer(), bound(eq), bool(eq.graph.linear)
         self.w.case_nodes = case_nodes
         self._written: dict[int, str] = {}
 
@@ -36,6 +40,9 @@ class Sizes:
             return f"abs({self._value(node)})"
         if node.op in ("add", "subtract"):
             return " + ".join(map(self.of, node.args))
+        if node.op == "multiply" and self.solves:
+            a, b = node.args
+            return f"abs({self._value(a)}) * {self.of(b)} + abs({self._value(b)}) * {self.of(a)}"
         if node.op == "multiply":
             return " * ".join(map(self.of, node.args))
         if node.op == "select":

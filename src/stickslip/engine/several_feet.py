@@ -27,16 +27,13 @@ from typing import Any, NamedTuple
 
 from stickslip.basics.status import Status
 from stickslip.engine.assembly import Assembly
-from stickslip.engine.coupled import limits_of, sliding_both_ways, without_slip
-from stickslip.engine.graphs import Substituted
+from stickslip.engine.coupled import FrictionAtOnce, limits_of, sliding_both_ways, without_slip
 from stickslip.engine.landings import MOMENT, flight_of, jumped, per_impulse, time_of
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Branches, Flight, TracedContact
-from stickslip.models.friction.law_adapter import TINY
 from stickslip.models.linear_equations import determinant, eliminated, product, total
 from stickslip.models.rails import weighed
 
-_DECIDED = "slip that is decided"
 LIFTS = 2  # of a combination: the point does not touch; else 1 and -1 are its side, 0 is rest
 _TIE = 1e-12  # of a load, or of the rates that there are: what rounding may make of a condition that holds with equality
 _BESIDE = 1e-10  # of itself without friction: how far beside the border a run ends, whose 24 coefficients are numbers
@@ -90,28 +87,17 @@ class Feet:
         self.kinetic = {i: tuple(self.steepness[i] * of for of in per_load[i]) for i in self.pressed}
         self.limits = {i: tuple(self.steepness[i] * m.lift(of) for of in m.laws[i].breakaway(1.0)) for i in self.pressed}
         self.given = {i: (sliding_both_ways(parts, i), limits_of(parts, i)) for i in group if i not in self.pressed}
-        self.asked = {i: {side: self._friction(i, side) for side in (1.0, -1.0)} for i in group}
+        self.at_once = {i: FrictionAtOnce(parts, i, lambda side, i=i: 1.0 if i in self.pressed else m.load(i, side)) for i in group}  # type: ignore[misc]
         contacts = {i: m.equations.joints[m.equations.contacts[i]] for i in self.points}
         on_flat = {i: contact.body for i, contact in contacts.items() if contact.on is None}
         self.alike = {i: [k for k in group if k == i or (i in on_flat and on_flat.get(k) == on_flat[i])] for i in group}
         self.signs = {i: parts.mode(self.one) for i in self.rails}
         self.lost = parts.mode(self.zero)  # 1 where no combination agrees, which ends the run
 
-    def _friction(self, i: int, side: float) -> Sym:
-        """Friction of a contact for a newton across, or under its given load, at the slip of an instant that is decided."""
-        m, graph, before = self.m, self.graph, self.graph.at_once
-        load = 1.0 if i in self.pressed else m.load(i, side)
-        graph.at_once = True  # conditions of the law are those of this slip
-        force = m.lift(m.laws[i].sliding(graph.variable(_DECIDED), load))
-        graph.at_once = before
-        return self.steepness[i] * force if i in self.pressed else force
-
     def friction_at(self, i: int, now: Sym) -> tuple[Sym, Sym]:
-        """The same to both sides where the slip goes to a side `now`, or is about to, whatever the mode says that ends."""
-        graph, slip = self.graph, self.m.slips[i]
-        at = {side: graph.select(side * now, slip, graph.constant(side * TINY)) for side in (1.0, -1.0)}
-        forwards, backwards = (Substituted(graph, {_DECIDED: at[side]}).of(asked) for side, asked in self.asked[i].items())
-        return forwards, backwards
+        """Friction for a newton across, or under a given load, forwards and backwards, of a slip to a side `now`, or about to be."""
+        forwards, backwards = self.at_once[i].at(now)
+        return (self.steepness[i] * forwards, self.steepness[i] * backwards) if i in self.pressed else (forwards, backwards)
 
     def _add_normal(self, i: int) -> None:
         """The row of a height or of a rail's bodies, what its force moves, and its rate without forces of contacts."""

@@ -13,8 +13,14 @@ import stickslip as ss
 from cart_poles import CartAndBob
 from rows import each_row
 from stickslip.basics.errors import InputError
+from stickslip.basics.fields import leaves
+from stickslip.engine.symbolic import SPAN
+from stickslip.engine.trace import trace
+from stickslip.engine.values import values_of
 from stickslip.maths import cos, pi, sin
 from stickslip.models.pushed import pushed
+from stickslip.solvers.plain.choosing import after_event
+from stickslip.solvers.plain.plain_equations import ContactModes, Equations
 
 COULOMB = ss.Coulomb(0.1, 0.1)
 LUGRE = ss.friction.LuGre(0.1, 0.1, 0.1, 0.1, sigma0=1e5, sigma1=100.0, sigma2=0.0, v_s=0.01)
@@ -232,6 +238,17 @@ def test_what_rests_rests_exactly():
     rests = run.contacts["rail"].mode == 0
     assert rests.any() and np.all(run.v[rests, 0] == 0.0)
     assert np.all(abs(run.contacts["rail"].friction_force[rests]) <= 0.1 * 1.3 * 9.81 * (1 + 1e-12))
+
+    machine = Arm(ss.Coulomb(0.2, 0.2, 0.35, 0.3))  # static friction above kinetic: what rested stays if it can, as the judge decides
+    eq, judge, rng = trace(machine), Equations(machine), np.random.default_rng(1)
+    for _ in range(60):
+        t, *q, side = rng.uniform(0, 2), *rng.uniform(-3, 3, 2), float(rng.choice([-1, 1]))
+        known = {eq.t.name: t, SPAN: machine.period} | dict(leaves(machine))
+        known |= dict(zip([of.name for of in (*eq.y, *eq.modes)], (0.0, 0.0, *q, side, 0.0), strict=True))
+        after = eq.switches[eq.signs].modes  # of the first joint, whose slip has come to zero
+        values = values_of(eq.graph, known, after)
+        decided = after_event(judge, t, np.array([*q, 0.0, 0.0]), ContactModes((int(side), 0), ((), ())), [0])[1]
+        assert tuple(int(values[mode.number]) for mode in after) == decided.sides[:2]
 
 
 @pytest.mark.slow
