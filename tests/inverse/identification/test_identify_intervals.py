@@ -7,7 +7,10 @@ import pytest
 
 import stickslip as ss
 from rows import each_row
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_states
 from stickslip.inverse.identification.covariance import information_of, noise_sizes
+from stickslip.inverse.identification.fit_settings import FitSettings
+from stickslip.inverse.identification.identify import problem_of
 from stickslip.inverse.identification.law_forces import driven_force
 from stickslip.inverse.identification.motions import PrescribedMotion
 from stickslip.inverse.identification.steady_curves import periods_to_settle, steady_curve
@@ -137,3 +140,22 @@ def test_a_capsule_that_rests_at_every_strobe_has_its_two_periods_and_settles_sl
     assert curve.period == 2 and min(abs(curve.v(t + k) - late[0]).max() for k in (0, 1)) < 1e-4 < 0.1 * abs(late[1] - late[0]).max()
     far = [abs(run.at((k + t) * run.period_time)["v"] - late[0]).max() for k in (300, 400)]
     assert periods_to_settle(curve) == pytest.approx(100 / np.log10(far[0] / far[1]), rel=0.1)
+    # from which of its two periods a run counts makes no other values, and so no other derivatives
+    at = np.arange(20 * 50) / 50
+    rec = ss.Record.of(at * run.period_time, {"velocity [m/s]": run.at((580 + at) * run.period_time)["v"]}, synthetic=True)
+    known = {"omega": 1.0794, "gap": 0.082, "damping_ratio": 0.051}
+    problem = problem_of([rec], ss.presets.capsule, {"force_ratio": (0.4, 3.0)}, None, known, FitSettings(sensor={}, harmonics=0))
+    place = problem.aligned(np.array([(0.98 - 0.4) / 2.6]))
+    begun = problem.model._warm[0]
+    for start in (begun, later_by_one(capsule, begun)):
+        problem.model._warm[0] = start
+        problem.model._curves.clear()
+        problem._memory.clear()
+        rest = float(np.std(problem.residuals(place) * problem.sigma))
+        assert rest < 0.02 * np.std(problem.y), (rest, np.std(problem.y))
+
+
+def later_by_one(model, start):
+    """The strobe point a drive period later, as a start."""
+    run = ss.solve(model, periods=1, keep="trajectory", start=start)
+    return coordinates(model).start(strobe_states(run)[-1])

@@ -232,8 +232,9 @@ class Fit(Face):
             From the curvature at the optimum (immediate); by refitting the other parameters on either side, which accounts for a
             likelihood that is not parabolic; or by repeated fits of resampled data (``repeats=200, seed=0, workers=1, executor=None``; the
             same numbers for any workers or executor, see `sweep`). "auto" uses the covariance if the sum of squares is parabolic within
-            two standard errors and to the ends of the interval, otherwise the profile (under noise of the motion, of which a profile sees
-            less, the outer ends of both); also for a parameter that has no effect near its value but may have one farther away.
+            two standard errors and to the ends of the interval, otherwise the profile (under noise of the motion, or beside a misfit, of
+            which a profile sees less, the outer ends of both); also for a parameter that has no effect near its value but may have one
+            farther away.
         part : {"total", "statistical", "systematic", "input"}
             The statistical part is due to noise alone, with sensor effects and priors fixed at their fitted values; the systematic part
             is what these add. The squares of the lengths on either side add up to that of the total. "input" is the part of either that
@@ -263,7 +264,8 @@ class Fit(Face):
         if name in self.lost:
             free = self.problem.parameters.free[self.names.index(name)]
             return (free.low, free.high) if part == "total" else (float("nan"),) * 2
-        rough = "either" if self.changes is not None and np.isfinite(self.errors[name]) else "profile"
+        wider = self.changes is not None or (self.misfit is not None and not self.misfit.is_none)  # by what no profile has in it
+        rough = "either" if wider and np.isfinite(self.errors[name]) else "profile"
         method = (rough if name in self.bent else "covariance") if method == "auto" else method
         ways = {"covariance": uncertainty.by_covariance, "profile": uncertainty.by_profile, "either": uncertainty.by_either}
         by: Any = by_bootstrap if method == "bootstrap" else ways[method]

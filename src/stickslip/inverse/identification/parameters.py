@@ -371,10 +371,6 @@ class OverParameters:
         """How slowly steady motions of records settle; nothing of what is not steady."""
         return {}
 
-    def other_phases(self, point: Array) -> list[Any]:
-        """The same point where phases are whole drive periods later; none without phases."""
-        return []
-
     def bounds(self) -> tuple[Any, Any]:
         """Bounds of a point."""
         n = len(self.parameters.free)

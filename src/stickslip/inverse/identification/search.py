@@ -29,7 +29,6 @@ _ALIGNED = 16  # points that are judged by their curves
 _POLISHED = 3  # points from which steps are taken
 _APART = 0.03  # points nearer than this are one
 _TIED = 1e-4  # part of a sum of squares by which ends of rough steps differ and are as good
-_NEARLY = 1.5  # sums of squares at other phases that are worth steps from there
 _PLATEAU = 1e-9  # points whose sums of squares differ by a smaller part give one curve
 
 
@@ -173,20 +172,7 @@ def _judged(problem: Any, ranked: tuple[int, Array]) -> tuple[float, Any, int]:
 
 def _polished(problem: Any, numbered: tuple[int, Array]) -> tuple[SearchEnd, int]:
     own = problem.afresh().lagging(numbered[1])
-    return _with_other_phases(own, polished(own, numbered[1], rough=True)), own.solves
-
-
-def _with_other_phases(problem: Any, end: SearchEnd) -> SearchEnd:
-    """The end of a search, or a better one that steps reach from where the phases of the drive are whole periods later.
-
-    A motion that repeats after two periods of the drive hardly differs there from one of a single period, as near the first of them.
-    """
-    for point in [] if end.stopped else problem.model.other_phases(end.point):
-        rest = problem.residuals(point)
-        if rest @ rest < _NEARLY * end.cost:
-            other = polished(problem, point, rough=True)
-            end = other if other.cost < end.cost or other.stopped else end
-    return end
+    return polished(own, numbered[1], rough=True), own.solves
 
 
 def _spread(chosen: list[tuple[float, Any]], first: int) -> list[tuple[float, Any]]:

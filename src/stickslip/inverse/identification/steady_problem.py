@@ -111,7 +111,7 @@ class SteadyProblem(OverParameters):
             if target.kind == "mean":
                 parts.append(np.array([motion.mean_velocity]))
                 continue
-            parts.append(modelled_values(target, motion, self._phase(point, i)))
+            parts.append(modelled_values(target, motion, _counted(target, motion, self._phase(point, i))))
         return np.concatenate(parts)
 
     def _starts(self, point: Array) -> dict[int, dict[str, float]]:
@@ -203,7 +203,7 @@ class SteadyProblem(OverParameters):
         motions = self._motions(point, readings)
         parts = [np.zeros(t.count) for t in self.targets]
         if motions is not None:
-            phase = self._phase(point, i)
+            phase = _counted(self.targets[i], motions[i], self._phase(point, i))
             up, down = (modelled_values(self.targets[i], motions[i], phase + sign * h) for sign in (1, -1))
             parts[i] = (up - down) / (2 * h)
         return np.concatenate(parts)
@@ -254,15 +254,6 @@ class SteadyProblem(OverParameters):
             for i in self.curves
             if motions and isinstance(motions[i], SteadyCurve)
         }
-
-    def other_phases(self, point: Array) -> list[Any]:
-        """The same point where the phase of one record is whole drive periods later, of motions that repeat after several of these."""
-        motions, shifted = self._motions(point) or [], []
-        for i in self.curves if motions else ():
-            own = len(self.parameters.free) + self._timing.index((i, "phase"))
-            for k in range(1, getattr(motions[i], "period", 1)):
-                shifted.append(np.where(np.arange(len(point)) == own, point[own] + k, point))
-        return shifted
 
     def bounds(self) -> tuple[Any, Any]:
         """Bounds of a whole point."""
@@ -348,6 +339,20 @@ def modelled_values(target: Target, motion: Any, phase: Numeric) -> Any:
         return motion.v(phase)
     x = motion.x(phase)
     return x + np.average(target.y - x, weights=target.weight * target.exact)
+
+
+def _counted(target: Target, motion: Any, phase: Any) -> Any:
+    """Phases in a motion of several drive periods, counted from the one with which the record agrees best.
+
+    From which period a run counts depends on where it was started: of a curve that is nearly the same another period would be compared, so
+    that derivatives are wrong and steps lead nowhere.
+    """
+    period = getattr(motion, "period", 1)
+    if period == 1:
+        return phase
+    weight = (target.weight * target.exact) / np.sum(target.weight * target.exact)
+    apart = [modelled_values(target, motion, phase + k) - target.y for k in range(period)]
+    return phase + int(np.argmin([weight @ (rest - weight @ rest) ** 2 for rest in apart]))
 
 
 def best_phase(target: Target, motion: SteadyCurve) -> float:
