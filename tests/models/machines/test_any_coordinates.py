@@ -241,7 +241,7 @@ def test_what_rests_rests_exactly():
 
     machine = Arm(ss.Coulomb(0.2, 0.2, 0.35, 0.3))  # static friction above kinetic: what rested stays if it can, as the judge decides
     eq, judge, rng = trace(machine), Equations(machine), np.random.default_rng(1)
-    for _ in range(60):
+    for _ in range(120):
         t, *q, side = rng.uniform(0, 2), *rng.uniform(-3, 3, 2), float(rng.choice([-1, 1]))
         known = {eq.t.name: t, SPAN: machine.period} | dict(leaves(machine))
         known |= dict(zip([of.name for of in (*eq.y, *eq.modes)], (0.0, 0.0, *q, side, 0.0), strict=True))
