@@ -48,7 +48,7 @@ def test_an_error_has_what_each_method_of_the_name_said():
         ss.solve(lugre, periods=1, method="exact")
     with pytest.raises(ss.InputError, match=r"Rosenbrock steps: it is for laws with inner states; .*Coulomb.* is set-valued; type method="):
         ss.solve(chain(0.0, 1.0), periods=1, method="rodas5p")
-    with pytest.raises(ss.InputError, match="Runge-Kutta steps: it takes one body on one contact, and Chain lists several"):
+    with pytest.raises(ss.InputError, match="Runge-Kutta steps: it takes one body on one contact, and this machine lists several"):
         ss.solve(chain(0.0, 1.0), periods=1, method="rk4")
     with pytest.raises(ss.InputError, match="it knows robots without impulses or memory; here is a mechanism with springs"):
         ss.solve(every_machine["BlockOnBelt"][0], duration=1.0, method="rk4")

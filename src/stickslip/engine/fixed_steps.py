@@ -59,6 +59,8 @@ def traced_slopes(model: Model) -> TracedSlopes:
 
 def lacks(eq: System) -> str:
     """Features of the equations that a plain Runge-Kutta script does not handle; "" if there are none."""
+    if not eq.single:
+        return "it takes one body on one contact, and this machine lists several"
     lacking = [what for what, there in (("impulses", eq.impulses), ("a law that remembers", eq.dynamic and eq.modes)) if there]
     if not eq.cyclic:
         lacking.append("a mechanism with springs")

@@ -14,7 +14,7 @@ from stickslip.engine.latex_laws import lines_of_law
 from stickslip.engine.letters import Formula, expression_of, spread, symbol
 from stickslip.engine.tex import Letters, dotted, indices, letters_of, letters_of_coordinates, subscripted, text_of
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.mechanics import Numbers, OneBody
+from stickslip.models.mechanics import Numbers
 from stickslip.models.rails import weighed
 from stickslip.models.several_bodies import SeveralBodies
 
@@ -55,15 +55,14 @@ def lines_of_motion(model: Model) -> list[str]:
     """All lines of a machine; `InputError` if a part of it is no formula."""
     letters = letters_of(model, [name for name, _ in leaves(model)], _own_coordinates(machine_of(model).mechanics))
     traced = replace_leaf(model, letters.symbols)
-    single = machine_of(model).one_body is not None
     try:
-        mechanics: Any = OneBody(traced) if single else machine_of(traced).mechanics
+        mechanics: Any = machine_of(traced).mechanics
         if mechanics.joined:
             mechanics.alike(machine_of(model).mechanics)
             return [*_of_coordinates_joined(mechanics), *_of_contacts(mechanics, letters)]
-        mechanics = mechanics if single else _Parts(machine_of(traced).declaring)
-        parts = [] if single else [*_of_controllers(mechanics), *_of_links(mechanics)]
-        return [*_of_bodies(mechanics), *parts, *_of_contacts(mechanics, letters)]
+        if isinstance(mechanics, SeveralBodies):
+            mechanics = _Parts(mechanics.model)
+        return [*_of_bodies(mechanics), *_of_controllers(mechanics), *_of_links(mechanics), *_of_contacts(mechanics, letters)]
     except (TypeError, ValueError, AttributeError):  # a record, say: numbers and no formula
         why = f"what drives this {type(model).__name__} cannot be written as a formula"
         raise InputError("latex", [f"{why}; for a law alone type ss.latex(law)"]) from None
@@ -151,9 +150,9 @@ def _held(mechanics: Any) -> tuple[Formula, ...]:
     )
 
 
-def _of_controllers(mechanics: _Parts) -> list[str]:
+def _of_controllers(mechanics: Any) -> list[str]:
     """Rates of what controllers hold, and what a sample makes of it; of one that samples, what is held has no rate."""
-    z, t, q, u = _held(mechanics), symbol("t", 0), mechanics.x, mechanics.v
+    z, t, (q, u) = _held(mechanics), symbol("t", 0), _states_of(mechanics)
     rates = zip(z, mechanics.control_rates(t, q, u, z), strict=True)
     lines = [rf"\dot {text_of(state)} &= {text_of(rate)}" for state, rate in rates if expression_of(rate) != 0]
     if mechanics.controllers.sample is None:
@@ -187,11 +186,11 @@ def _inertia(mechanics: Any, c: int, own: list[str]) -> str:
     return " + ".join(terms)
 
 
-def _of_links(mechanics: _Parts) -> list[str]:
+def _of_links(mechanics: Any) -> list[str]:
     """Tensions, prescribed distances and hits."""
     t = symbol("t", 0)
     lines = []
-    for ends, pull, letter in mechanics.tensions:
+    for ends, pull, letter in getattr(mechanics, "tensions", ()):  # one body on one contact has no links
         distance, rate = mechanics.distance(ends, mechanics.x), mechanics.distance(ends, mechanics.v)
         lines += _tension(partial(pull, t), distance, rate, text_of(letter))
     for (first, second), link in mechanics.prescribed:

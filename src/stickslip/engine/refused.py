@@ -58,8 +58,6 @@ def refusal_of(machine: MachineAdapter) -> str:
             return f"bodies rub on one another under laws that rest exactly ({names}), {why}; {other}"
     if any(law.needs_applied for law in m.laws) and (m.joined or not _alone(m.directions) or m.coordinates < len(m.bodies)):
         return f"a law asks for the force that would hold its contact, and other contacts decide on that too; {other}"
-    if machine.one_body is None and m.jumps and any(law.switching for law in m.laws):
-        return f"its velocities jump and a law remembers; {other}"
     return ""
 
 

@@ -42,7 +42,8 @@ class Symbolic:
         names = numbers_of(model)
         self.model: Any = replace_leaf(model, {name: graph.case(name) for name in names})
         self.machine = machine_of(self.model)
-        self.single, self.equations = self.machine.one_body is not None, self.machine.mechanics
+        self.equations = self.machine.mechanics
+        self.single = self.equations.single
         self.equations.alike(machine_of(model).mechanics)
         self.names = names if model.period is not None else (*names, SPAN)
         self.laws, self.directions = self.equations.laws, self.equations.directions

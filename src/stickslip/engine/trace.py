@@ -24,7 +24,6 @@ from stickslip.engine.symbols import STATE, Graph, Sym, TraceError
 from stickslip.engine.system import System, TracedSwitch
 from stickslip.engine.values import values_of
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.position_dependence import knows_position
 
 _ENDLESS = 1e300  # m: the scale of a position on which nothing depends
 _NO_DRIVE = 1e-12  # m/s: a velocity for steps where the drive is off and the law has no velocity of its own
@@ -44,18 +43,17 @@ def trace(model: Model, observe: Observed = (), noted: bool = False) -> System:
 
 
 def _trace(model: Model, observe: Observed, noted: bool) -> System:
-    if machine_of(model).one_body is not None:
-        _check_contact(model)
-        eq = _traced(model, not knows_position(model), observe, noted)
-        check_as_written(model)
-        return eq
     if reason := refused(model):
         raise InputError(type(model).__name__, [reason])
-    eq = _traced(model, False, ())
+    if not machine_of(model).mechanics.knows_place:
+        eq = _traced(model, True, observe, noted)
+        check_as_written(model)
+        return eq
+    eq = _traced(model, False, (), noted)
     check_as_written(model)
     if _only_differences(eq):
-        return _traced(model, True, observe)
-    return _traced(model, False, observe) if observe else eq
+        return _traced(model, True, observe, noted)
+    return _traced(model, False, observe, noted) if observe else eq
 
 
 def _only_differences(eq: System) -> bool:
@@ -80,6 +78,8 @@ def _only_differences(eq: System) -> bool:
 
 def _traced(model: Model, cyclic: bool, observe: Observed, noted: bool = False) -> System:
     m = Symbolic(model, cyclic)
+    if m.single:
+        _check_contact(model)
     graph, zero = m.graph, m.graph.constant(0.0)
     speeds = [law.velocity_scale() for law in m.laws]
     speed = next((each for each in speeds if each is not None), None)

@@ -40,6 +40,7 @@ class Mechanics(Protocol):
     prescribed: Sequence[tuple[Any, Any]] = ()  # links that keep a distance
     controllers: Controllers = NO_CONTROLLERS
     of_motion: tuple[bool, ...] = ()  # of each contact, whether its load is a function of velocities or forces; () if no load is
+    single: bool = False  # it is one body on one contact by its kind, and columns have no axes for them
     joined: bool = False  # the friction of a contact accelerates coordinates otherwise than by its row over their masses
 
     @property
@@ -272,6 +273,7 @@ class OneBody(Mechanics):
     """
 
     bodies, contacts, directions, coordinates = ("body",), ("contact",), ((1.0,),), 1
+    single = True
 
     def __init__(self, model: OneContact):
         self.model = model

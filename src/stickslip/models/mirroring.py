@@ -9,10 +9,9 @@ from stickslip.basics.arguments import Model, explains_arguments
 from stickslip.basics.contracts import Drive, Numeric
 from stickslip.basics.errors import InputError
 from stickslip.models.drives.turned import Reversed
-from stickslip.models.friction.law_adapter import law_of, mirrored_law as mirrored_law
+from stickslip.models.friction.law_adapter import mirrored_law as mirrored_law
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.model_adapter import adapter_of
-from stickslip.models.normal_loads import normal_load
 from stickslip.models.tracks.profiles import mirrored_track
 
 # fractions of the period, velocities [m/s], positions [m]; not round numbers, where a patch may end
@@ -52,20 +51,24 @@ def mirrored(robot: Model) -> Any:
     >>> ss.dynamics.mirrored(ss.Chain.example()).phases == ss.Chain.example().phases[::-1]
     True
     """
-    image = _image(robot)
-    wrong = _unmirrored(robot, image) if machine_of(robot).one_body is not None else ""
+    own = adapter_of(robot).mirror_image
+    if own is not None:
+        return own()
+    return made_of_images(robot, _of_its_parts(robot))
+
+
+def made_of_images(model: Any, image: Any) -> Any:
+    """What the mirror images of a machine's parts make up; `InputError` if that is not the image of the whole."""
+    wrong = _unmirrored(model, image)
     if wrong:
         why = f"the mirror images of its parts do not make up its mirror image: {wrong} is another one"
         allowed = "allowed are machines that drive, friction and track define completely"
-        raise InputError(type(robot).__name__, [f"{why}; {allowed}; write the mirror image by hand"])
+        raise InputError(type(model).__name__, [f"{why}; {allowed}; write the mirror image by hand"])
     return image
 
 
-def _image(model: Any) -> Any:
-    """The mirror image that a machine declares; for a robot, the one composed of the mirror images of its parts."""
-    own = adapter_of(model).mirror_image
-    if own is not None:
-        return own()
+def _of_its_parts(model: Any) -> Any:
+    """The image that the mirror images of a robot's parts make up."""
     if not all(hasattr(model, name) for name in ("drive", "friction", "track")):
         why = f"{type(model).__name__} has no drive on a track that could be turned round, and no method mirrored()"
         raise InputError("mirrored", [f"{why}; write one that returns its mirror image"])
@@ -80,20 +83,25 @@ def _turned(drive: Drive) -> Any:
 
 
 def _unmirrored(model: Any, image: Any) -> str:
-    """The part of a machine of one body that is not mirrored, tested at a few instants; "" if there is none."""
-    law, other, T = law_of(model), law_of(image), machine_of(model).time_scale or 1.0
-    for s, v, x in _MOMENTS:
-        t, w, back = s * T, model.contact_velocity(v), image.contact_velocity(-v)
-        N, there = normal_load(model, t, x), normal_load(image, t, -x)
-        size = N / model.total_mass
-        if not _opposite(N, -there):
+    """What of a machine is not mirrored, tested at a few instants; "" if there is nothing."""
+    machine, m, o = machine_of(model), machine_of(model).mechanics, machine_of(image).mechanics
+    for s, speed, place in _MOMENTS:
+        t, u, q = s * (machine.time_scale or 1.0), (speed,) * m.coordinates, (place,) * m.coordinates
+        back, there = (-speed,) * m.coordinates, (-place,) * m.coordinates
+        loads, others = m.loads(t, q, u), o.loads(t, there, back)
+        if not all(_opposite(N, -other) for N, other in zip(loads, others, strict=True)):
             return "the load"
-        if not _opposite(w, back, machine_of(model).velocity_scale):
+        slips, away = m.slips(t, u, q), o.slips(t, back, there)
+        if not all(_opposite(w, other, machine.velocity_scale) for w, other in zip(slips, away, strict=True)):
             return "the velocity at the contact"
-        if not _opposite(model.acceleration(t, x, v, 0.1 * N), image.acceleration(t, -x, -v, -0.1 * N), size):
+        R = [0.1 * N for N in loads]
+        a, turned = m.accelerations(t, q, u, R), o.accelerations(t, there, back, [-force for force in R])
+        sizes = [sum(loads) / mass for mass in m.masses]
+        if not all(_opposite(*each) for each in zip(a, turned, sizes, strict=True)):
             return "the acceleration"
-        if not law.dynamic and not _opposite(law.sliding(w, N), other.sliding(-w, N), N):
-            return "the sliding friction"
+        for law, other, w, N in zip(m.laws, o.laws, slips, loads, strict=True):
+            if not law.dynamic and not _opposite(law.sliding(w, N), other.sliding(-w, N), N):
+                return "the sliding friction"
     return ""
 
 

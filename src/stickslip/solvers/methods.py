@@ -234,16 +234,14 @@ class RungeKutta:
 
     def accepts(self, model: Model) -> str | None:
         """One body on one contact, of what a plain script knows."""
-        machine = machine_of(model)
-        if machine.one_body is None:
-            return f"it takes one body on one contact, and {type(model).__name__} lists several"
-        why = _of_laws(model, dynamic=machine.has_inner_states)
+        why = _of_laws(model, dynamic=machine_of(model).has_inner_states)
         if why is not None:
             return why
         from stickslip.engine.fixed_steps import lacks
+        from stickslip.engine.refused import refused
         from stickslip.engine.trace import trace
 
-        return lacks(trace(model)) or None
+        return refused(model) or lacks(trace(model)) or None
 
     def run(self, todo: Request) -> Trajectory | Summary:
         """So many steps in each period."""

@@ -110,10 +110,10 @@ def kept_columns(plan: Plan) -> tuple[str, ...]:
     """The columns that apply to the robots of a plan."""
     if plan.of_flow:
         return plan.columns
-    known = plan.sample is not None and bool(_alphas(plan.sample))
     machine = None if plan.sample is None else machine_of(plan.sample)
     cycles = settled_after("sweep", plan.sample, plan.options["settle"], plan.options["duration"]) is not None
-    without = {*plan.space.columns, *plan.space.dims, *(() if known else ALPHAS), *(() if cycles else OF_CYCLES), *_not_of(machine)}
+    without = {*plan.space.columns, *plan.space.dims, *(() if cycles else OF_CYCLES), *_not_of(machine)}
+    without |= set() if plan.sample is not None and _alphas(plan.sample, without) else set(ALPHAS)
     return (*(name for name in COLUMNS if name not in without), *plan.observed)
 
 
@@ -207,7 +207,7 @@ def columns_of(
         names_of_events = lacking_columns(events)
         known = many.columns if all(name in many.columns for name in names_of_events) else _of_events(robot, start, options)
         columns_kept |= {name: known[name] for name in names_of_events}
-    columns_kept |= _power(robot, many.columns, more) | _alphas(robot)
+    columns_kept |= _power(robot, many.columns, more) | _alphas(robot, without)
     if settle is not None:
         of_motions = motion_columns(robot, start, options, settle, columns_kept["status"], events)
         columns_kept |= {name: values if names else np.reshape(values, len(values)) for name, values in of_motions.items()}
@@ -254,11 +254,9 @@ def _along_the_ways(robot: Any, columns: dict[str, Array], more: dict[str, Array
     return (law.sliding(1.0, load) * ahead - law.sliding(-1.0, load) * back) / (robot.period * np.maximum(columns["period"], 1))
 
 
-def _alphas(robot: Model) -> dict[str, Array]:
+def _alphas(robot: Model, without: set[str]) -> dict[str, Array]:
     """alpha_plus and alpha_minus of the robot, or of its twin with Coulomb friction at the kinetic coefficients, if it has one."""
-    if machine_of(robot).one_body is None:
-        return {}
-    twin = coulomb_twin(robot)
+    twin = None if without.issuperset(ALPHAS) else coulomb_twin(robot)
     if twin is None or handles(twin) is not None:
         return {}
     arcs = dimensionless_arcs(twin)

@@ -29,7 +29,6 @@ from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.model_adapter import adapter_of
 from stickslip.models.naming import in_its_unit
-from stickslip.models.position_dependence import knows_position
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -216,7 +215,7 @@ def _is_of_arcs(special: Special) -> bool:
     if not isinstance(special.orbit, PeriodicOrbit) or special.kind != "type-border":
         return False
     machine = machine_of(model)
-    return machine.one_body is not None and not machine.has_inner_states and not knows_position(model)
+    return not machine.mechanics.knows_place and not machine.has_inner_states
 
 
 def _check_border(special: Special) -> None:

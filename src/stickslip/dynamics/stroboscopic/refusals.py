@@ -45,7 +45,7 @@ def needs_model(what: str, model: Model, driven: bool = True, batch: bool = Fals
     if driven and model.period is None:
         why = f"{type(model).__name__} has no period, so it has no strobe; allowed are models with a periodic drive"
         raise InputError(what, [f"{why}; for its limit cycle type ss.periodic_orbit(machine), to follow it ss.continuation"])
-    if driven and machine_of(model).one_body is None and _drifts(model):
+    if driven and _drifts(model):
         kind = type(model).__name__
         raise InputError(what, [f"the equations of {kind} have positions in them, but with these numbers bodies can be shifted together "
                                 "and no force changes (by a link of stiffness 0, or as nothing joins two groups of them): they drift "
@@ -71,7 +71,7 @@ def _drifts(model: Model) -> bool:
     """
     order, one = order_of(model), cases_of(model, slice(1))[0]
     mechanics, random = machine_of(one).mechanics, np.random.default_rng(20261122)
-    if mechanics.stops:
+    if mechanics.stops or not order.kept:
         return False
     speed, rows = coordinates(one).speed, []
     for power in (0, 0, 1, 2, 3, 4):  # stops act far away

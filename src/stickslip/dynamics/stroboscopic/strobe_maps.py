@@ -470,7 +470,7 @@ def _steps(model: Model, rtol: float) -> tuple[Any, float]:
 def _ended(model: Model, results: Any, table: Any, end: Array, periods: int) -> Ends:
     """Results of lanes in the form of the strobe map."""
     segments = _segments(results, len(machine_of(model).laws), table.span)
-    if machine_of(model).one_body is None:
+    if results.parts is not None:
         none = np.full(len(end), np.nan)
         return Ends(end, results.displacement, results.status, none, none, segments)
     offset = table.offsets[:, 0]
@@ -584,7 +584,7 @@ def _one_by_one(model: Model, states: Array, periods: int, rtol: float) -> Ends:
     runs = [flight(case, state, periods, rtol) for case, state in zip(cases, states, strict=True)]
     ends = np.array([strobe_states(run)[-1] for run in runs])
     way = np.array([position_of(run)[-1] - position_of(run)[0] for run in runs])
-    if not runs[0].pieces.layout.single:
+    if np.ndim(runs[0].v) > 1:
         none = np.full(len(runs), np.nan)
         return Ends(ends, way, np.zeros(len(runs), int), none, none)
     top, low = (np.array([extreme(run.v) for run in runs]) for extreme in (np.max, np.min))

@@ -19,12 +19,10 @@ _SAME = 1e-6  # of the mean velocity: attractors nearer to each other are one
 
 def from_other_starts(model: Model, V: float) -> list[str]:
     """A sentence where a push forwards or backwards leads to another mean velocity."""
-    machine = machine_of(model)
-    if machine.one_body is None:
-        return []
-    speed, at = float(machine.free_velocity), coordinates(model)
-    kick = [0.0 if name != "v" else 1.0 for name in at.names]
-    start = at.start(np.outer([speed, -speed], kick)) if "v" in at.names else {}
+    speed, at = float(machine_of(model).free_velocity), coordinates(model)
+    kick = np.zeros(len(at.names))
+    kick[at.order.velocities] = speed
+    start = at.start(state_at_rest(model, at) + np.array([[1.0], [-1.0]]) * kick)
     velocities = results_of(spread_over(model, 2), 2, start=start)["mean_velocity"]
     other = [float(v) for v in velocities if abs(v - V) > _SAME * max(abs(V), speed)]
     return [f"another motion coexists, with V = {v:.6g} m/s from another start" for v in other[:1]]

@@ -8,7 +8,6 @@ import numpy as np
 
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import StickslipError
-from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
 
 _POINTS = 256  # of a period
@@ -17,7 +16,7 @@ _POINTS = 256  # of a period
 def nearness(machines: Any, count: int, forwards: bool) -> Array | None:
     """The largest force on a body at rest, in one direction, as a part of that which friction holds: array (count,).
 
-    It is above 1 where the body moves. None of machines of several bodies, and of laws that have no such force.
+    It is above 1 where the body moves. None of machines of several contacts, and of laws that have no such force.
 
     Examples
     --------
@@ -26,13 +25,14 @@ def nearness(machines: Any, count: int, forwards: bool) -> Array | None:
     >>> round(float(nearness(robot, 1, forwards=True)[0]), 4)  # 0.2 A omega^2 / (0.1 g)
     0.2039
     """
-    if machine_of(machines).one_body is None:
+    mechanics = machine_of(machines).mechanics
+    if mechanics.directions != ((1.0,),):
         return None
     T = np.broadcast_to(np.asarray(machines.period, float), (count,))
     t = np.arange(_POINTS)[:, None] / _POINTS * T
     try:
-        limits = law_of(machines).limits(machines.load(t, 0.0))
-        force = machines.total_mass * machines.acceleration(t, 0.0, 0.0, 0.0)
+        limits = mechanics.laws[0].limits(mechanics.loads(t, (0.0,))[0])
+        force = mechanics.masses[0] * mechanics.accelerations(t, (0.0,), (0.0,), (0.0,))[0]
     except (StickslipError, TypeError):
         return None
     if limits is None:

@@ -14,6 +14,7 @@ from stickslip.basics.quantities import DAMPING, LOAD, MASS, STIFFNESS, Rule, po
 from stickslip.models.forces import check_law
 from stickslip.models.friction.law_adapter import law_of, mirrored_law as mirrored_law
 from stickslip.models.machines.filed import Filed
+from stickslip.models.mirroring import made_of_images
 
 
 class Mechanism(Filed):
@@ -34,7 +35,7 @@ class Mechanism(Filed):
     def mirrored(self: Any) -> Any:
         """The mechanism with forwards and backwards exchanged."""
         numbers = {name: 0.0 - getattr(self, name) for name in self._turns}
-        return replace(self, friction=mirrored_law(self.friction), **numbers)
+        return made_of_images(self, replace(self, friction=mirrored_law(self.friction), **numbers))
 
     @property
     def notes(self: Any) -> list[str]:

@@ -56,8 +56,6 @@ def joined_output(parts: list[DensePart], end: float, equations: Equations) -> P
 
 def _layout(e: Equations) -> StateLayout:
     """The layout of the states of `Equations.output`."""
-    if e.single:
-        return StateLayout.of_one(e.laws[0].states, e.laws[0].modes, not e.cyclic)
     mechanics = e.mechanics  # bodies at prescribed distances have the states of their common coordinate
     ends = list(itertools.pairwise(itertools.accumulate(mechanics.inner, initial=e.n)))
     inner, own, parts = ends[: e.k], ends[e.k :], mechanics.controllers
@@ -65,11 +63,13 @@ def _layout(e: Equations) -> StateLayout:
     first = e.size - e.n
     places = [(name, mechanics.coordinate_of(name)) for name in mechanics.bodies]
     return StateLayout(
-        tuple(BodyStates(name, velocity=c, position=first + c) for name, c in places),
+        tuple(BodyStates(name, velocity=c, way=0 if e.cyclic else None, position=None if e.cyclic else first + c) for name, c in places),
         tuple(
             ContactStates(name, row, tuple(range(*own)), tuple(range(*held)))
             for name, row, own, held in zip(mechanics.contacts, mechanics.slips_of, inner, memory, strict=True)
         ),
+        ways=(0,) if e.cyclic else (),
+        single=mechanics.single,
         principal=e.principal,
         controllers=tuple(
             ControllerStates(name, states, tuple(range(*of))) for name, states, of in zip(parts.names, parts.states, own, strict=True)

@@ -95,7 +95,7 @@ def _without_samples(model: Model, end: float) -> list[tuple[float, Jumps]]:
     for s, jump in machine.mechanics.jumps:
         jumps[float(s)] = tuple(a + float(b) for a, b in zip(jumps.get(float(s), nothing), jump, strict=True))
     breaks = machine.breaks
-    if not breaks and not jumps and (machine.one_body is not None or model.period is None):
+    if not breaks and not jumps:
         return [(0.0, nothing), (end, nothing)]
     T = float(model.period)
     inside = sorted(s for s in {0.0, *breaks, *jumps} if s < T)

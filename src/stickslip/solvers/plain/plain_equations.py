@@ -19,7 +19,6 @@ from stickslip.basics.contracts import Array, ArrayLike, Model, Numeric
 from stickslip.basics.errors import SolveError
 from stickslip.models.friction.law_adapter import TINY, Switches
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.position_dependence import knows_position
 from stickslip.solvers.plain.deciding import ROUNDING, blocks
 from stickslip.solvers.plain.kinks import Sides, Watching
 from stickslip.solvers.plain.own_route import OwnRoute
@@ -81,7 +80,6 @@ class Equations:
         self.model, self.mechanics = model, (mechanics := machine.mechanics)
         self.own: Any = OwnRoute(mechanics) if mechanics.joined else mechanics
         self.laws, self.stops, self.principal = mechanics.laws, mechanics.stops, machine.principal
-        self.single = machine.one_body is not None
         self.masses = [float(m) for m in mechanics.masses]
         self.n = len(self.masses)
         self.rows = self.rows_at(0.0, [float(x) for x in mechanics.start], [0.0] * self.n)
@@ -94,7 +92,7 @@ class Equations:
         self._weigh([[g / m for g, m in zip(row, self.masses, strict=True)] for row in self.rows])
         self.dynamic = [*(law.dynamic for law in self.laws), *(False for _ in self.stops)]
         self._count()
-        self.cyclic = self.single and not knows_position(model)
+        self.cyclic = not mechanics.knows_place
         self.unpressed = [
             _UNPRESSED * self.masses[c or 0] * float(machine.velocity_scale) / float(machine.time_scale or 1.0) if of else 0.0
             for c, of in zip(self.alone, mechanics.of_motion or [False] * len(self.laws), strict=False)
