@@ -30,7 +30,8 @@ def points_of(step, start, count):
 
 def outcome(points, functions=recurrence, tolerance=TOLERANCE):
     last = len(points) - 1
-    args = (points, last, min(last, recurrence.KEPT - 1), recurrence.LONGEST, np.ones(points.shape[1] - 1), tolerance, tolerance)
+    scales = recurrence.scales_of(np.ones(points.shape[1] - 1))
+    args = (points, last, min(last, recurrence.KEPT - 1), recurrence.LONGEST, scales, tolerance, tolerance)
     return functions.outcome(*args)
 
 
@@ -149,7 +150,8 @@ def test_chaos_approaches_nothing(count):
         x = rng.uniform(0.05, 0.95, count + 1)
         for i in range(count if k % 2 else 0):
             x[i + 1] = 4.0 * x[i] * (1.0 - x[i])
-        found.append(recurrence.approach(np.column_stack([np.arange(count + 1.0), x]), count, count, recurrence.LONGEST, np.ones(1)))
+        points, scales = np.column_stack([np.arange(count + 1.0), x]), recurrence.scales_of([1.0])
+        found.append(recurrence.approach(points, count, count, recurrence.LONGEST, scales))
     assert np.count_nonzero(found) <= 4
 
 
@@ -157,5 +159,5 @@ def test_chaos_approaches_nothing(count):
 def test_a_motion_that_closes_in_on_a_cycle_approaches_it(p, rate):
     n = np.arange(48)
     x = np.cos(2.0 * np.pi * n / p + 0.3) + 0.1 * rate ** (n // p)
-    found = recurrence.approach(np.column_stack([n * 1.0, x]), 47, 47, recurrence.LONGEST, np.ones(1))
+    found = recurrence.approach(np.column_stack([n * 1.0, x]), 47, 47, recurrence.LONGEST, recurrence.scales_of([1.0]))
     assert found == p

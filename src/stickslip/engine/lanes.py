@@ -265,7 +265,7 @@ def plain_name(label: str) -> str:
 
 def _constants(eq: System, step: Step) -> list[Any]:
     """Expressions computed once for each case, in order: those of the step, then those of the driver."""
-    scales = [s for s in eq.scales if s is not None]
+    scales = [s for s in (*eq.scales, *eq.lengths) if s is not None]
     instants = [*eq.instants, *(instant for instant, _ in eq.impulses)]
     own = [eq.period, eq.velocity_scale, eq.free_velocity, eq.mass]
     late = [*eq.delays, *(kick for kicks in eq.kicks for kick in kicks)]
@@ -274,14 +274,18 @@ def _constants(eq: System, step: Step) -> list[Any]:
 
 
 def layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[int, ...]]:
-    """The numbers by which the driver finds its way; a field that this kind of step has not is at -1. Then each state's scale."""
+    """The numbers by which the driver finds its way; a field that this kind of step has not is at -1.
+
+    Then where each state's scale is, and the length after which it comes again.
+    """
     offsets = {name: i * lanes for i, name in enumerate(step.fields)}
     first = len(step.case_nodes)
-    scale_at = [-1] * eq.states
-    for number, i in enumerate(i for i, s in enumerate(eq.scales) if s is not None):
+    scale_at = [-1] * (2 * eq.states)
+    measures = (*enumerate(eq.scales), *enumerate(eq.lengths, start=eq.states))
+    for number, i in enumerate(i for i, s in measures if s is not None):
         scale_at[i] = first + 4 + number
     constants = len(_constants(eq, step))
-    sample_at = first + 4 + sum(s is not None for s in eq.scales)
+    sample_at = first + 4 + sum(at >= 0 for at in scale_at)
     breaks, share_at = len(eq.instants) + len(eq.impulses), sample_at + len(eq.sampling)
     named = {
         "LANES": lanes, "STATES": eq.states, "GUARDS": len(eq.guards), "SIGNS": eq.signs, "FIELDS": len(offsets) + constants,

@@ -119,6 +119,7 @@ class System:
     signals: tuple[Signal, ...] = ()
     ratios: tuple[Sym, ...] = ()  # slip ratios of the contacts, where laws have inner states and there are signals
     apart: tuple[Sym, Sym] | None = None  # of one body: its acceleration by its inner state's rate as a variable, and this variable
+    lengths: tuple[Sym | None, ...] = ()  # of each state, after which it comes again in all equations, as an angle does; () if none does
     passive: int = 0  # the last states, on which no other state, no event and no step's length depends (see tangent.py)
     carried: tuple[Sym, ...] = ()  # rates of what the first passive states are changes of; the one after them is a change of an instant
     delays: tuple[Sym, ...] = ()  # change of each known instant, of clocks and then of impulses

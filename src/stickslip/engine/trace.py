@@ -26,6 +26,7 @@ from stickslip.engine.values import values_of
 from stickslip.models.machine_adapter import machine_of
 
 _ENDLESS = 1e300  # m: the scale of a position on which nothing depends
+_AS_FAR, _AS_NEAR = (3.0, 3.0, 12.0, 12.0, 100.0, 1e3), 1e-9  # where positions are held against those a turn further, and how near
 _NO_DRIVE = 1e-12  # m/s: a velocity for steps where the drive is off and the law has no velocity of its own
 
 
@@ -127,6 +128,8 @@ def _traced(model: Model, cyclic: bool, observe: Observed, noted: bool = False) 
     )  # fmt: skip
     if m.equations.joined and distance is not None:
         eq = replace(eq, scales=_of_what_matters(eq))
+    if model.period is not None and not cyclic:
+        eq = replace(eq, lengths=_lengths(eq, m))
     return eq if m.single and not observe and not noted else with_signals(eq, parts, observe)
 
 
@@ -136,6 +139,34 @@ def _of_what_matters(eq: System) -> tuple[Sym | None, ...]:
     varied, endless = frozenset[str]().union(*map(eq.graph.varies, nodes)), eq.graph.constant(_ENDLESS)
     loose = [i for i in eq.positions if eq.y[i].name not in varied]
     return tuple(endless if i in loose else scale for i, scale in enumerate(eq.scales))
+
+
+def _lengths(eq: System, m: Symbolic) -> tuple[Sym | None, ...]:
+    """After which length each state comes again in all equations, at any numbers: a turn of an angle, a wave of the track; or None."""
+    graph, wave = eq.graph, m.machine.wavelength
+    circles = [node for node in graph.nodes if node.op in ("sin", "cos")]
+    lengths: list[Sym | None] = [None] * eq.states
+    for i in eq.positions:
+        if wave is not None:
+            lengths[i] = m.lift(wave)
+        elif any(eq.y[i].name in graph.varies(node) for node in circles):
+            lengths[i] = graph.constant(2 * pi)
+    return tuple(length if length is not None and _comes_again(eq, i, length) else None for i, length in enumerate(lengths))
+
+
+def _comes_again(eq: System, i: int, length: Sym) -> bool:
+    """Whether the equations are the same where a position is so much larger."""
+    nodes = [*eq.f[: eq.positions.start], *eq.guards, *eq.sampled.values(), *eq.heights]
+    draw, position = np.random.default_rng(20261130), eq.y[i].name
+    for far in _AS_FAR:
+        known = {name: draw.uniform(0.5, 1.5) for name in (*eq.names, SPAN, *(s.name for s in (*eq.y, eq.t)))}
+        known |= {eq.y[j].name: far * draw.uniform(-1.0, 1.0) for j in eq.positions}
+        known |= {mode.name: float(draw.integers(-1, 2)) for mode in eq.modes}
+        further = known | {position: known[position] + float(values_of(eq.graph, known, [length])[length.number])}
+        here, there = (values_of(eq.graph, at, nodes) for at in (known, further))
+        if not all(abs(here[n.number] - there[n.number]) <= _AS_NEAR * (1.0 + abs(here[n.number])) for n in nodes):
+            return False
+    return True
 
 
 def _apart(m: Symbolic, parts: Assembly) -> tuple[Sym, Sym] | None:

@@ -8,6 +8,7 @@ import numpy as np
 
 from stickslip.basics.contracts import Array
 from stickslip.results import recurrence
+from stickslip.results.recurrence import scales_of
 from stickslip.results.steadiness import window_count
 
 LONGEST = 32  # periods after which a motion may repeat
@@ -42,4 +43,4 @@ def repeats_after(flow: Any, points: Array, recurrence: Any) -> int:
     scales = np.full(points.shape[1], max(float(abs(flow.drifts.wrapped(points)).max()), 1e-300))
     points, scales = flow.drifts.embedded(points, scales) if flow.drifts else (points, scales)
     rows, last = np.column_stack([np.zeros(len(points)), points]), len(points) - 1
-    return int(recurrence.period_number(rows, last, last, LONGEST, scales, SAME, SAME)[0])
+    return int(recurrence.period_number(rows, last, last, LONGEST, scales_of(scales), SAME, SAME)[0])

@@ -1,16 +1,22 @@
 """Whether the strobe points of a motion repeat, and their limit: one test for single runs and, compiled, for batches.
 
 Strobe points are rows of x and the state, one for each drive period, in an array that is written round and round: point n stands
-in row n modulo its length. Near a flip points 2p apart agree long before points p apart do, and beside a fold every point agrees
-with the next one while all of them still drift. So a distance alone decides nothing: what counts is the distance that is left, by
-the ratio at which the motion closes in.
+in row n modulo its length. Scales are the size of each state and then, of each, the length after which it comes again, as an angle does
+after a turn; 0 where it does not.
+
+Near a flip points 2p apart agree long before points p apart do, and beside a fold every point agrees with the next one while all of
+them still drift. So a distance alone decides nothing: what counts is the distance that is left, by the ratio at which the motion
+closes in.
 
 The functions are plain loops on numbers; `engine` compiles this text as it stands (see ``engine/texts.py``).
 """
 
 from __future__ import annotations
 
+import math
 from typing import Any
+
+import numpy as np
 
 LONGEST = 16  # largest period number that is looked for
 KEPT = 3 * LONGEST  # strobe points that this takes
@@ -26,14 +32,34 @@ _APART = 4.0  # times what is left of an approach: points of a period of its own
 _ROUNDING = 1e-14  # in scales: a swing as small as this is one of the last digits, which may alternate for ever
 
 
+def scales_of(sizes: Any, lengths: Any = 0.0) -> Any:
+    """The scales of states with these sizes and the lengths after which they come again, 0 or infinite where they do not.
+
+    Examples
+    --------
+    >>> scales_of([0.1, 2.0], [0.0, np.inf]).tolist()
+    [0.1, 2.0, 0.0, 0.0]
+    """
+    sizes, lengths = np.broadcast_arrays(np.asarray(sizes, float), np.asarray(lengths, float))
+    return np.concatenate([sizes, np.where(np.isfinite(lengths), lengths, 0.0)])
+
+
+def difference(a: float, b: float, scale: Any, i: int) -> float:
+    """One state less another, in its scale; of one that comes again after a length, modulo that."""
+    length, way = scale[len(scale) // 2 + i], a - b
+    if length > 0.0:
+        way -= length * math.floor(way / length + 0.5)
+    return way / scale[i]
+
+
 def apart(points: Any, last: int, p: int, k: int, scale: Any) -> float:
     """Distance, in scales, of the p points up to `last` from those k times p periods before; infinite where one is not a number."""
     rows, worst = len(points), 0.0
     new, old = last % rows, (last - k * p) % rows
     for j in range(p):
         a, b = new - j if j <= new else new - j + rows, old - j if j <= old else old - j + rows
-        for i in range(len(scale)):
-            distance = abs(points[a, 1 + i] - points[b, 1 + i]) / scale[i]
+        for i in range(len(scale) // 2):
+            distance = abs(difference(points[a, 1 + i], points[b, 1 + i], scale, i))
             if not distance < float("inf"):
                 return float("inf")
             worst = max(worst, distance)
@@ -79,10 +105,10 @@ def heading(points: Any, last: int, p: int, m: int, scale: Any) -> float:
     """Correlation of one change over p periods with the next: +1 where a motion drifts, -1 where it swings, -1/2 of independent errors."""
     rows, both, new_squares, old_squares = len(points), 0.0, 0.0, 0.0
     for j in range((2 * m - 1) * p):
-        for i in range(len(scale)):
+        for i in range(len(scale) // 2):
             middle = points[(last - j - p) % rows, 1 + i]
-            new = (points[(last - j) % rows, 1 + i] - middle) / scale[i]
-            old = (middle - points[(last - j - 2 * p) % rows, 1 + i]) / scale[i]
+            new = difference(points[(last - j) % rows, 1 + i], middle, scale, i)
+            old = difference(middle, points[(last - j - 2 * p) % rows, 1 + i], scale, i)
             both += new * old
             new_squares += new * new
             old_squares += old * old

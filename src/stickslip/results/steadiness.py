@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.basics.contracts import Array, ArrayLike, Model, Numeric
-from stickslip.models.machine_adapter import machine_of
+from stickslip.models.machine_adapter import MachineAdapter, machine_of
 from stickslip.models.state_layout import of_one_contact
+from stickslip.models.turning_coordinates import TURN, lengths_of
 from stickslip.results import recurrence
 from stickslip.results.part_notes import APART
 
@@ -32,6 +33,7 @@ _MOST_SEARCHED = 10**6  # drive periods that are still recommended
 _DECAYED = 1e-12  # what is left of a transient that has decayed, relative to what the drive does to a free body in a period
 #: A mean velocity below this part of the motion's own velocity is judged against that part: that of a symmetric machine is zero.
 _OF_MOTION = 1e-3
+_HALF = 0.5 * TURN  # rad: what does not turn as far cannot have turned on
 _ALIKE = 0.1  # bodies drift apart if their distance grows evenly, to this part
 
 
@@ -222,16 +224,19 @@ def steadiness_of_run(run: Trajectory) -> Steadiness:
 def _strobe_of(model: Model, x: Array, v: Array, z: Array) -> tuple[Any, Any, Any]:
     """Way of the machine; strobe points (periods + 1, 1 + what must repeat) that begin with it; the scales of all but the first.
 
-    Scales are of velocities what the drive does to a body without friction, of inner states the law's scale or the largest value, and of
+    Sizes are of velocities what the drive does to a body without friction, of inner states the law's scale or the largest value, and of
     positions, where motions depend on them, a period at such a velocity.
     """
     machine = machine_of(model)
     mechanics, speed = machine.mechanics, float(machine.free_velocity)
     way = way_of_machine(model, x)
+    again = _coming_again(machine, x)
+    turned = sorted(again)
     if mechanics.joined:
-        apart = [x[:, _that_matter(mechanics, x)]]
+        apart: Any = x[:, [*turned, *(j for j in _that_matter(mechanics, x) if j not in again)]]
     else:
-        apart = [x[:, 1:] - x[:, :1]] + ([way[:, None]] if _place_matters(mechanics, x) else [])
+        rest = [j for j in range(x.shape[1]) if j not in again]
+        apart = np.column_stack([x[:, turned], x[:, rest[1:]] - x[:, rest[:1]], *([way] if _place_matters(mechanics, x, rest) else [])])
     inner = z.reshape(len(x), -1)
     there = ~np.isnan(inner[0])
     sizes = [_sizes(law, load, z.shape[2]) for law, load in zip(mechanics.laws, mechanics.loads(0.0, mechanics.start), strict=True)]
@@ -241,10 +246,22 @@ def _strobe_of(model: Model, x: Array, v: Array, z: Array) -> tuple[Any, Any, An
         sizes.append(np.array([*own, *([np.nan] * (z.shape[2] - len(own)))]))
     typical = np.concatenate(sizes)[there] if sizes else np.empty(0)
     typical = np.where(np.isfinite(typical), typical, abs(inner[:, there]).max(axis=0, initial=0.0))
-    strobe = np.column_stack([way, v, inner[:, there], *apart])
-    length = speed * float(model.period) / (2 * np.pi)
-    scales = np.concatenate([np.full(v.shape[1], speed), typical, np.full(sum(a.shape[1] for a in apart), length)])
-    return way, strobe, np.where(scales > 0, scales, 1.0)
+    strobe = np.column_stack([way, v, inner[:, there], apart])
+    size = speed * float(model.period) / (2 * np.pi)
+    scales = np.concatenate([np.full(v.shape[1], speed), typical, np.full(apart.shape[1], size)])
+    lengths = np.full(len(scales), np.inf)
+    first = len(scales) - apart.shape[1]
+    lengths[first : first + len(turned)] = [again[j] for j in turned]
+    return way, strobe, recurrence.scales_of(np.where(scales > 0, scales, 1.0), lengths)
+
+
+def _coming_again(machine: MachineAdapter, x: Array) -> dict[int, float]:
+    """The coordinates that came by a length after which everything comes again, by number: a turn, or a wave of a track."""
+    if x.shape[1] != machine.mechanics.coordinates:  # bodies at prescribed distances share one
+        return {}
+    far = np.flatnonzero(np.ptp(x, axis=0) > _HALF if machine.wavelength is None else np.ones(x.shape[1], bool)).tolist()
+    lengths = lengths_of(machine, far) if far else ()
+    return {j: length for j, length in enumerate(lengths) if np.isfinite(length)}
 
 
 def drifting_apart(run: Trajectory) -> str:
@@ -285,9 +302,13 @@ def _that_matter(mechanics: Any, x: Array) -> list[int]:
     return [j for j in range(mechanics.coordinates) if _differs(mechanics, x[-1], np.where(np.arange(len(gone)) == j, gone, 0.0))]
 
 
-def _place_matters(mechanics: Any, x: Array) -> bool:
-    """Whether forces or loads change when the whole machine is moved as far as it went."""
-    return mechanics.knows_place and _differs(mechanics, x[-1], np.full(mechanics.coordinates, float(np.ptp(x))))
+def _place_matters(mechanics: Any, x: Array, bodies: list[int]) -> bool:
+    """Whether forces or loads change when these bodies are moved together as far as they went."""
+    if not bodies or not mechanics.knows_place:
+        return False
+    far = np.zeros(mechanics.coordinates)
+    far[bodies if len(bodies) < x.shape[1] else slice(None)] = float(np.ptp(x[:, bodies]))
+    return _differs(mechanics, x[-1], far)
 
 
 def _differs(mechanics: Any, x: Array, far: Array) -> bool:

@@ -98,6 +98,7 @@ def test_an_orbit_on_a_track_that_repeats_comes_back_modulo_its_wavelength():
     assert orbit.multipliers == pytest.approx(orbit.differences, abs=1e-6)
     assert orbit.stable
     settled = ss.solve(robot, periods=200)  # a run from rest goes to it, and returns modulo the wavelength
+    assert settled.steadiness.word == "steady" and settled.steadiness.mean_velocity == pytest.approx(orbit.mean_velocity, rel=1e-6)
     apart = (settled.strobe_x[-1] - orbit.state[0]) / step
     assert apart == pytest.approx(round(apart), abs=1e-7)
 

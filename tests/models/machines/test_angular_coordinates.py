@@ -10,10 +10,10 @@ import pytest
 
 import stickslip as ss
 from rows import each_row
-from stickslip.dynamics.stroboscopic.turning_coordinates import turning
 from stickslip.maths import cos, pi, sin
 from stickslip.models.angular_coordinates import angles_of, unit_of_part
 from stickslip.models.machine_adapter import machine_of
+from stickslip.models.turning_coordinates import turning
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,7 +158,47 @@ def test_motions_whole_turns_apart_are_one_attractor():
     assert only.share == 1.0
     (locked,) = ss.basins(Spun(0.05, 1.0), **{"v.angle": [8.0]}, settle=60).attractors
     assert locked.kind == "periodic" and locked.mean_velocity == pytest.approx(3.0, rel=1e-9)  # a turn in each period
-    assert turning(machine_of(Pole())) == (1,) and turning(machine_of(Sprung())) == () and turning(machine_of(Hung())) == (1,)
+    assert [turning(machine_of(kind()), (0, 1)) for kind in (Pole, Sprung, Hung)] == [(1,), (), (1,)]
+
+
+@dataclass(frozen=True, eq=False)
+class Rotor(ss.Machine):
+    """A weight that is not balanced, on an axle: it is the sine in its equation that says that it is an angle."""
+
+    torque: float
+    omega: float = 2.0
+
+    @property
+    def period(self):
+        return 2 * pi / self.omega
+
+    def bodies(self):
+        return {"rotor": ss.Body(1.0, force=lambda t, x, v: 0.9 + self.torque * sin(self.omega * t) - sin(x) - self.spring(x) - 0.3 * v)}
+
+    def contacts(self):
+        return {"bearing": ss.Contact("rotor", ss.Coulomb(0.2, 0.2), load=1.0)}
+
+    def spring(self, x):
+        return 0.0
+
+
+class Wound(Rotor):
+    """A spring on its axle tells one turn from the next, though it is so weak that it gives way for hundreds of turns."""
+
+    def spring(self, x):
+        return 1e-6 * x
+
+
+def test_what_turns_on_settles():
+    """A turn in each period is a motion of period one to runs, the judge and batches; where a spring winds up, nothing repeats yet."""
+    for machine, start, rate in ((Spun(0.05, 1.0), {"v": {"angle": 8.0}}, 3.0), (Rotor(2.0), None, 2.0)):
+        run = ss.solve(machine, periods=100, start=start)
+        assert (run.steadiness.word, run.steadiness.period) == ("steady", 1) and ss.mean_velocity(run) == pytest.approx(rate, rel=1e-6)
+    assert ss.solve(Rotor(2.0), periods=40, method="dop853").steadiness.period == 1
+    many = ss.solve(Rotor([0.5, 2.0, 4.0]), periods=400, settle="auto", keep="summary")
+    assert many.mean_velocity == pytest.approx([0.0, 2.0, 2.0], abs=1e-6)
+    assert many.period.tolist() == [1, 1, 1] and many.columns["periods_run"].max() < 100 and (many.steadiness == 0).all()
+    assert ss.solve(Wound(2.0), periods=100).steadiness.word == "not settled"
 
 
 def test_units_of_columns_follow():

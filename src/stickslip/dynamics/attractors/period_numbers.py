@@ -9,6 +9,7 @@ import numpy as np
 from stickslip.basics.contracts import Array
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates
 from stickslip.engine.texts import recurrence
+from stickslip.results.recurrence import scales_of
 
 LONGEST = 32  # largest period number that is looked for
 POINTS = 64  # strobe points of a look
@@ -43,7 +44,7 @@ def _lasting(points: Array, scales: Array, tolerance: float) -> int:
 def array_period_number(points: Array, scales: Array, tolerance: float) -> tuple[int, int]:
     """`recurrence.period_number` of an array of strobe points, x first, up to period 32."""
     last = len(points) - 1
-    return recurrence().period_number(points, last, last, LONGEST, np.array(scales, float), tolerance, tolerance)
+    return recurrence().period_number(points, last, last, LONGEST, scales_of(scales), tolerance, tolerance)
 
 
 def long_period(long: Array, at: Coordinates, tolerance: float) -> int:

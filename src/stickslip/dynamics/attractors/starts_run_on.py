@@ -18,6 +18,7 @@ from stickslip.dynamics.attractors.period_numbers import LONGEST, POINTS, period
 from stickslip.dynamics.exponents.motion_exponents import exponents_from
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, Ends, strobe_map, strobe_points
 from stickslip.engine.texts import recurrence
+from stickslip.results.recurrence import scales_of
 
 if TYPE_CHECKING:
     pass
@@ -123,7 +124,7 @@ class StartsRun:
 
     def _closing_in(self, rows: Array) -> Array:
         """Which starts come steadily nearer to a periodic motion, and so are not irregular."""
-        ask, scales, last = recurrence().approach, np.array(self.at.scales, float), self.watched.count - 1
+        ask, scales, last = recurrence().approach, scales_of(self.at.scales), self.watched.count - 1
         return np.array([bool(ask(rows_of_points(self.watched.points[i]), last, last, LONGEST, scales)) for i in rows], bool)
 
     def nudge(self) -> None:

@@ -71,7 +71,7 @@ def _drifts(model: Model) -> bool:
     """
     order, one = order_of(model), cases_of(model, slice(1))[0]
     mechanics, random = machine_of(one).mechanics, np.random.default_rng(20261122)
-    if mechanics.stops or not order.kept:
+    if mechanics.stops or mechanics.coordinates == 1:  # one alone has nothing to drift apart from
         return False
     speed, rows = coordinates(one).speed, []
     for power in (0, 0, 1, 2, 3, 4):  # stops act far away

@@ -21,10 +21,10 @@ from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.status import Status
-from stickslip.dynamics.stroboscopic.turning_coordinates import turning
 from stickslip.models.cyclic_coordinates import CyclicCoordinates
 from stickslip.models.machine_adapter import MachineAdapter, machine_of
 from stickslip.models.model_adapter import ModelAdapter, adapter_of
+from stickslip.models.turning_coordinates import TURN, turning, wave_of
 from stickslip.results.segments import intervals_of
 from stickslip.results.steadiness import way_of_machine
 from stickslip.solvers.flow_starts import changed_at_once, places_of_starts
@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from stickslip.results.trajectory import Trajectory
 
 
-_PARTS_OF_A_WAVE = (0.07, 0.23, 0.41, 0.59, 0.83)  # of a wavelength and a period: where the equations are held against the next wave
-_SAME_PLACE = 1e-9
 _DWELL = 0.03  # of a period: how long elastic contact lasts that counts as rest
 _RESTS = 1e-13  # of the velocity scale: a slip that is rounding
 _HALVINGS = 30  # of a drive period, in search of the instant at which a run ends
@@ -305,30 +303,17 @@ def coordinates(model: Model) -> Coordinates:
     names = (*order.names, *_memory_names(machine))
     sized = np.array(scales + [1.0] * memories)
     turns = _turns(machine, order)
-    return Coordinates(names, sized, order, memories, mechanics, machine.names_parts, _wavelength(machine, order), drifts=turns)
+    return Coordinates(
+        names, sized, order, memories, mechanics, machine.names_parts, wave_of(machine) if order.kept else None, drifts=turns
+    )
 
 
 def _turns(machine: Any, order: Order) -> CyclicCoordinates:
     """The positions in a state that are angles modulo a turn."""
     if order.cyclic:
         return CyclicCoordinates()
-    places = tuple(order.places.start + order.kept.index(j) for j in turning(machine) if j in order.kept)
-    return CyclicCoordinates(tuple(order.names[i] for i in places), places, (2.0 * np.pi,) * len(places))
-
-
-def _wavelength(machine: Any, order: Order) -> float | None:
-    """The distance after which a track repeats [m], if the equations say so too; None where they do not, or of a batch of several."""
-    length = machine.wavelength
-    if length is None or np.size(length) != 1 or not order.kept:
-        return None
-    length, m, T = float(np.ravel(length)[0]), machine.mechanics, largest_size(machine.time_scale)
-    for part in _PARTS_OF_A_WAVE:
-        here, there = (
-            (*m.loads(part * T, (q,)), *m.accelerations(part * T, (q,), (0.0,), (0.0,))) for q in (part * length, (1 + part) * length)
-        )
-        if any(np.any(abs(a - b) > _SAME_PLACE * (abs(a) + abs(b))) for a, b in zip(here, there, strict=True)):
-            return None
-    return length
+    places = tuple(order.places.start + order.kept.index(j) for j in turning(machine, order.kept))
+    return CyclicCoordinates(tuple(order.names[i] for i in places), places, (TURN,) * len(places))
 
 
 def state_at_rest(model: Model, at: Coordinates | None = None) -> Array:

@@ -97,7 +97,7 @@ def run(rows, i0, i1, periods, settle, auto, skip, tolerance, out, count, seg_ti
     window. count: status, period number, periods run, segments.
     """
     q, last, points, early, sums = np.empty(CONSTANTS), np.empty(2), np.zeros((KEPT, 2)), np.empty(LONGEST), np.empty(2)
-    scale, unit = np.empty(1), np.empty(1)
+    scale, unit = np.zeros(2), np.zeros(2)
     scale[0], unit[0] = 1.0, 1.0
     scratch, scratch_time, scratch_code = np.empty(out.shape[1]), np.empty(SEGS), np.empty(SEGS, dtype=np.int8)
     for i in range(i0, i1):

@@ -151,9 +151,12 @@ def judge_period(lane, k, x, S, W, D):
     periods, settle, auto = JOB[PERIODS], JOB[SETTLE], JOB[AUTO]
     rtol = LIMITS_of(W)[RTOL]
     L = D[LANES]
-    scale = np.empty(D[STATES] - D[PASSIVE])
-    for i in range(len(scale)):
+    states = D[STATES] - D[PASSIVE]
+    scale = np.empty(2 * states)
+    for i in range(states):
         scale[i] = scale_of(lane, i, S, D)
+        at = D[SCALE_AT + D[STATES] + i]
+        scale[states + i] = S[D[F_C] + at * L + lane] if at >= 0 else 0.0
     count = min(k - 1, KEPT - 1)  # the start is not among them
     if N[lane, TARGET] > 0:
         if auto and N[lane, NUMBER] > 0:
