@@ -152,15 +152,6 @@ class Sprung(Pole):
         return {**super().forces(t, q, u), "angle": -2.0 * q["angle"]}
 
 
-def test_motions_whole_turns_apart_are_one_attractor():
-    starts = {"v.angle": [0.0], "x.angle": [0.5, 0.5 + 2 * pi, 0.5 - 4 * pi]}
-    (only,) = ss.basins(Pole(), **starts).attractors
-    assert only.share == 1.0
-    (locked,) = ss.basins(Spun(0.05, 1.0), **{"v.angle": [8.0]}, settle=60).attractors
-    assert locked.kind == "periodic" and locked.mean_velocity == pytest.approx(3.0, rel=1e-9)  # a turn in each period
-    assert [turning(machine_of(kind()), (0, 1)) for kind in (Pole, Sprung, Hung)] == [(1,), (), (1,)]
-
-
 @dataclass(frozen=True, eq=False)
 class Rotor(ss.Machine):
     """A weight that is not balanced, on an axle: it is the sine in its equation that says that it is an angle."""
@@ -189,7 +180,7 @@ class Wound(Rotor):
         return 1e-6 * x
 
 
-def test_what_turns_on_settles():
+def test_what_turns_on_settles_and_whole_turns_apart_is_one_attractor():
     """A turn in each period is a motion of period one to runs, the judge and batches; where a spring winds up, nothing repeats yet."""
     for machine, start, rate in ((Spun(0.05, 1.0), {"v": {"angle": 8.0}}, 3.0), (Rotor(2.0), None, 2.0)):
         run = ss.solve(machine, periods=100, start=start)
@@ -199,6 +190,12 @@ def test_what_turns_on_settles():
     assert many.mean_velocity == pytest.approx([0.0, 2.0, 2.0], abs=1e-6)
     assert many.period.tolist() == [1, 1, 1] and many.columns["periods_run"].max() < 100 and (many.steadiness == 0).all()
     assert ss.solve(Wound(2.0), periods=100).steadiness.word == "not settled"
+    starts = {"v.angle": [0.0], "x.angle": [0.5, 0.5 + 2 * pi, 0.5 - 4 * pi]}
+    (only,) = ss.basins(Pole(), **starts).attractors
+    assert only.share == 1.0
+    (locked,) = ss.basins(Spun(0.05, 1.0), **{"v.angle": [8.0]}, settle=60).attractors
+    assert locked.kind == "periodic" and locked.mean_velocity == pytest.approx(3.0, rel=1e-9)  # a turn in each period
+    assert [turning(machine_of(kind()), (0, 1)) for kind in (Pole, Sprung, Hung)] == [(1,), (), (1,)]
 
 
 def test_units_of_columns_follow():
