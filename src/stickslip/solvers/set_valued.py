@@ -253,7 +253,7 @@ def solve_one(
     ([0, 1, 0, -1, -1, 0, 1, 0, -1], {'arcs': 9, 'switches': 7})
     """
     numbers = dimensionless_arcs(model, known)
-    (x0,), (v0,) = _start((), start)
+    x0, v0 = (float((start or {}).get(name, 0.0)) + 0.0 for name in "xv")  # minus zero is zero
     rows, driven = dimensionless_rows(numbers, np.array([v0]))
     if not np.isfinite(rows).all():
         raise SolveError(
@@ -266,14 +266,16 @@ def solve_one(
         x, v = x * (a / omega**2), v * (a / omega)
     else:
         t, x, v, mode = undriven.arcs_of(numbers, 0, v0, periods * T)
-    t = np.append(t, periods * T)
-    keep = np.diff(t) > 0
-    mode = mode[keep].astype(np.int8)
+    ends = np.concatenate([t, [periods * T]])
+    keep = ends[1:] > t
+    if not keep.all():
+        ends, mode, x, v = ends[np.concatenate([keep, [True]])], mode[keep], x[keep], v[keep]
+    mode = mode.astype(np.int8)
     arcs = HarmonicArcs(
-        t=np.append(t[:-1][keep], t[-1]), mode=mode, x0=x[keep] + x0, v0=v[keep], drive_acceleration=a, omega=omega,
+        t=ends, mode=mode, x0=x + x0, v0=v, drive_acceleration=a, omega=omega,
         resist_plus=float(numbers.resist_plus[0]), resist_minus=float(numbers.resist_minus[0]),
     )  # fmt: skip
-    return arcs, {"arcs": len(mode), "switches": int(np.count_nonzero(np.diff(mode)))}
+    return arcs, {"arcs": len(mode), "switches": int(np.count_nonzero(mode[1:] != mode[:-1]))}
 
 
 def _recorded(row: Array, periods: int, progress: Progress | None = None, partial: bool = False) -> tuple[tuple[Array, Array, Array], int]:
