@@ -131,7 +131,7 @@ def test_options_are_checked_together(tmp_path):
     ("text", "factor", "quantity"),
     [("mm/s", 1e-3, "velocity"), ("µm", 1e-6, "position"), ("m/s²", 1.0, "acceleration"), ("m/s^2", 1.0, "acceleration"),
      ("uN", 1e-6, "force"), ("kPa", 1e3, "pressure"), ("bar", 1e5, "pressure"), ("ms", 1e-3, "time"), ("m s^-1", 1.0, "velocity"),
-     ("min", 60.0, "time"), ("N/m", 1.0, None), ("Nm", 1.0, "torque"), ("mNm", 1e-3, "torque"), ("N·m", 1.0, "torque"),
+     ("min", 60.0, "time"), ("kOhm", 1e3, None), ("N/m", 1.0, None), ("Nm", 1.0, "torque"), ("mNm", 1e-3, "torque"), ("N·m", 1.0, "torque"),
      ("N-m", 1.0, "torque"), ("Nmm", 1e-3, "torque"), ("ft-lb", 1.3558179483314, "torque"),
      ("oz-in", 0.45359237 * 9.80665 * 0.0254 / 16, "torque"),
      ("in lbf", 0.112984829028, "torque"), ("kip", 4448.2216152605, "force"), ("lbf", 4.4482216152605, "force"), ("kgf", 9.80665, "force"),

@@ -193,6 +193,17 @@ def test_the_law_of_a_joint_goes_too() -> None:
     hinge = ss.export_law(joint, "mujoco", speeds=(0.01, 1.0))
     assert hinge.numbers["frictionloss"] == pytest.approx(0.02)
     assert "to 1 rad/s both ways" in hinge.text and " m/s" not in hinge.text
+    # of a servo the law is that of its load, whose friction was left out: one of 1 N m was written
+    load = ss.machines.ServoLoad(base=0.1, viscous=0.035, stribeck=0.05, v_s=0.8, exponent=1.3)
+    servo = ss.Joint(0.01, ss.Coulomb(1.0, 1.0), load=load, motor=ss.machines.Motor(k_t=2.0, resistance=3.0), voltage=1.0)
+    numbers = tomllib.loads(str(ss.export_law(servo, "toml")))["robot"]["friction"]
+    law, none = ss.Stribeck(**{k: v for k, v in numbers.items() if k != "kind"}), {"motor": 0.0, "gravity": 0.0}
+    v = [1e-3, 0.3, 2.0, 9.0]
+    steady = law.coefficient(np.array(v)) + law.viscous * np.array(v)
+    assert steady == pytest.approx([load(0.0, 0.0, each, none) for each in v], rel=1e-12)
+    assert ss.export_law(servo.replace({"load.stribeck": 0.0}), "mujoco", speeds=(0.1, 5.0)).numbers["frictionloss"] == pytest.approx(0.1)
+    with pytest.raises(ss.InputError, match=r"grows with its torques \(motor, external_quad\).*export_fmu"):
+        ss.export_law(servo.replace({"load.motor": 0.1, "load.external_quad": 0.01}), "c")
 
 
 @each_row("name", LAWS)

@@ -13,9 +13,14 @@ from stickslip.basics.errors import InputError, Problems, as_path, did_you_mean
 from stickslip.basics.fields import checked_number
 from stickslip.basics.quantities import at_least, positive
 from stickslip.models.angular_coordinates import unit_of_part
+from stickslip.models.friction import Coulomb, CoulombViscous, Stribeck
 from stickslip.models.friction.law_adapter import is_law
 from stickslip.models.machine_adapter import is_machine, machine_of
+from stickslip.models.machines.servo_load import ServoLoad
 from stickslip.show.export.names import prefix_of
+
+#: Parts of a servo's load that grow with its torques.
+_BY_TORQUE = ("motor", "external", "motor_stribeck", "external_stribeck", "motor_quad", "external_quad")
 
 
 @dataclass(frozen=True)
@@ -89,7 +94,7 @@ def export_law(
     Parameters
     ----------
     law : law, robot, mechanism, Fit or LogFit
-        A law; or a model with one contact or a fit, whose law is taken.
+        A law; or a model with one contact or a fit, whose law is taken. Of a servo it is that of its load, whose coefficients are torques.
     language : {"c", "matlab", "octave", "toml", "mujoco"}
         C is one C99 file of static functions to include: ``NAME_fitted`` holds the numbers, ``NAME_start`` a fresh state, ``NAME_force``
         the friction force, ``NAME_rate`` the rates of the inner states and ``NAME_step`` advances them over a time step; its header
@@ -176,12 +181,29 @@ def _only_law(model: Model) -> Any:
     if len(laws) != 1:
         given = f"{type(model).__name__} has {len(laws)} contacts"
         raise InputError("export_law", [f"{given}; allowed is one with one contact; give the law of one of them, a part of its contacts"])
-    return laws[0].law
+    load = getattr(model, "load", None)
+    return _of_servo(laws[0].law, load) if isinstance(load, ServoLoad) else laws[0].law
+
+
+def _of_servo(law: Any, load: ServoLoad) -> Any:
+    """Friction of a servo as a law for a load of 1, where it goes by velocity alone; `InputError` where torques change it."""
+    by_torque = [name for name in _BY_TORQUE if getattr(load, name)]
+    mu: Any = getattr(law, "mu_plus", 1.0)
+    if by_torque or law != Coulomb(mu, mu):
+        why = f"friction of this servo grows with its torques ({', '.join(by_torque)})" if by_torque else f"its law is {law!r}"
+        typed = "type ss.export_fmu(model) for the whole machine, or model.load.to_bam() for the numbers of BAM"
+        raise InputError("export_law", [f"{why}; allowed is Coulomb with one coefficient under a load without such parts; {typed}"])
+    base, viscous = mu * load.base, mu * load.viscous
+    if not load.stribeck:
+        return CoulombViscous(base, base, viscous=viscous)
+    most = mu * (load.base + load.stribeck)
+    return Stribeck(base, base, most, most, v_s=load.v_s, exponent=load.exponent, viscous=viscous)
 
 
 def _load_of(model: Any) -> float:
-    """The load of a model with one contact; 1 for a law, whose coefficients are then forces."""
-    load = 1.0 if is_law(model) else getattr(model, "load", None)
+    """The load of a model with one contact; 1 for a law, and for a servo, whose coefficients are then forces or torques."""
+    load = getattr(model, "load", None)
+    load = 1.0 if is_law(model) or isinstance(load, ServoLoad) else load
     if not isinstance(load, (int, float)):
         raise InputError("export_law", [f"the load of this {type(model).__name__} is not a number of its own; type for example load=1.0"])
     return float(load)
