@@ -44,9 +44,10 @@ def trace(model: Model, observe: Observed = (), noted: bool = False) -> System:
 
 
 def _trace(model: Model, observe: Observed, noted: bool) -> System:
-    if reason := refused(model):
+    mechanics = machine_of(model).mechanics
+    if (reason := refused(model)) and not mechanics.single:  # of one body equations are asked that no kernel is made of
         raise InputError(type(model).__name__, [reason])
-    if not machine_of(model).mechanics.knows_place:
+    if not mechanics.knows_place:
         eq = _traced(model, True, observe, noted)
         check_as_written(model)
         return eq

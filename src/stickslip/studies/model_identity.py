@@ -167,13 +167,11 @@ class ModelIdentities:
 
     def _traced(self, model: Model) -> str | None:
         observe = () if self.plan.options["method"] in SLOW else tuple(parted_observables(self.plan.options.get("observe"))[0].items())
-        if names_states(model):
-            return None
         try:
             if not all(law.compiles for law in machine_of(model).laws):
                 return None
             return equation_hash(model, observe)
-        except Exception:  # functions of the user's own may raise anything; the case then has a status that says so
+        except Exception:  # of a flow, or as functions of the user's own may raise anything; the case then has a status that says so
             return None
 
 
@@ -191,13 +189,11 @@ def _table(group: Group) -> tuple[tuple[str, ...], Array]:
 
 def _initial(model: Model) -> dict[str, Any]:
     """Initial inner states that the laws give, where they can be computed for all models together."""
-    if names_states(model):
-        return {}
     try:
         mechanics = machine_of(model).mechanics
         loads = mechanics.loads(0.0, mechanics.start)
         begun = [law.start(load) for law, load in zip(mechanics.laws, loads, strict=True) if law.has_start]
-    except Exception:  # of a user's own law, which may refuse anything; it is reported when the case is solved
+    except Exception:  # of a flow, or of a user's own law, which may refuse anything; it is reported when the case is solved
         return {}
     return {f"{i}.{j}": state for i, states in enumerate(begun) for j, state in enumerate(states)}
 

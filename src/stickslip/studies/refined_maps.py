@@ -23,9 +23,8 @@ from stickslip.studies.models_of_points import starts_at
 from stickslip.studies.planning import SOLVER, Plan, planned
 from stickslip.studies.progress import Watch
 from stickslip.studies.result_columns import all_failed, empty, part_columns
-from stickslip.studies.running import carried_out, sweep
+from stickslip.studies.running import carried_out
 from stickslip.studies.solving import solved_points
-from stickslip.studies.space import names_states
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -65,8 +64,6 @@ def map(make: Maker, refine: bool = False, coarse: int = 33, **arguments: Any) -
     >>> bool((grid.status == 102).mean() > 0.6), grid.motion_type.sel(amplitude=6e-4, omega=205, method="nearest").item()
     (True, 'III')
     """
-    if names_states(make):
-        return _of_flow(make, refine, arguments)
     how = {name: arguments.pop(name) for name in _HOW if name in arguments}
     if refine:
         _check_refining({**how, **arguments}, coarse)
@@ -74,19 +71,11 @@ def map(make: Maker, refine: bool = False, coarse: int = 33, **arguments: Any) -
     options = {name: arguments.pop(name, default) for name, default in SOLVER.items()}
     plan = planned(make, (), arguments, start, along, tile, **options)
     _check_plane(plan)
+    if refine and plan.of_flow:
+        raise InputError("map", ["refine=True looks for borders of motion types, which a flow has not; leave it out"])
     if not refine:
         return carried_out(plan, Execution(tile=tile, **how))
     return _Refined(plan, Execution(**how).checked_crew(), Watch(plan.cases, how.get("progress"))).grid(coarse)
-
-
-def _of_flow(flow: Any, refine: bool, arguments: dict[str, Any]) -> Any:
-    """A map over two numbers of a flow, or of its initial state."""
-    if refine:
-        raise InputError("map", ["refine=True looks for borders of motion types, which a flow has not; leave it out"])
-    grid = sweep(flow, **arguments)
-    if len(grid.sizes) != 2:
-        raise InputError("map", [_other_axes([str(name) for name in grid.sizes])])
-    return grid
 
 
 _HOW = ("workers", "out", "resume", "shard", "client", "executor", "retries", "progress")

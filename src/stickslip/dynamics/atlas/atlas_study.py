@@ -19,7 +19,6 @@ from stickslip.studies.folder import COMMAND, MANIFEST, check_new, make_study_fo
 from stickslip.studies.manifest import differences, digest, identity, unchecked
 from stickslip.studies.model_identity import ModelIdentities
 from stickslip.studies.planning import SOLVER, Plan, planned
-from stickslip.studies.space import names_states
 
 T = TypeVar("T")
 _FORMAT = 4  # 4 has the identities of the models with each result
@@ -43,12 +42,11 @@ class AtlasStudy:
     def __init__(self, path: str | Path | None, plane: Plane, look: Look, resume: bool = False):
         self.folder = None if path is None else Path(path).expanduser()
         self._planes = [plane]
-        if self.folder is not None and names_states(plane.sample):
-            raise InputError(
-                "atlas", ["out is not known of a flow, whose functions no file holds; leave it out: the atlas is kept in memory"]
-            )
         if self.folder is not None:
             plan = _plan_of(plane, look)
+            if plan.of_flow:
+                why = "out is not known of a flow, whose functions no file holds"
+                raise InputError("atlas", [f"{why}; leave it out: the atlas is kept in memory"])
             self._models = ModelIdentities(plan, 1)
             self._begin(self.folder, _identity(plan, self._models, plane, look), resume)
 
