@@ -228,6 +228,8 @@ def test_where_a_foot_lands_or_begins_and_no_one_load_follows_the_run_ends():
         run = ss.solve(Rod(0.5, ss.Coulomb(1.5, 1.5), 0.0), duration=0.6, start=start, method=method)
         assert run.status == Status.PAINLEVE.sentence
         assert run.t[-1] == pytest.approx(np.sqrt(2 * (1.0 - 0.5 * np.sin(2.0)) / G), abs=1e-12)
+    jams = {"x": {"z": 0.38 * np.sin(1.1), "angle": 1.1}, "v": {"x": -0.3}}  # static friction would press it on without end
+    assert [event.kind for event in agrees(Rod(0.38, ss.Coulomb(0.2, 0.95, 0.25, 1.39), 0.0), jams, 0.15).events] == ["stick"]
 
 
 def test_the_equations_have_the_flight_and_the_rebound():

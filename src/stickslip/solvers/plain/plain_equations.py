@@ -24,6 +24,7 @@ from stickslip.solvers.plain.kinks import Sides, Watching
 from stickslip.solvers.plain.own_route import OwnRoute
 from stickslip.solvers.plain.resting import RestingGroup, group_of
 
+_NO_LIMIT = 1e3  # of the first load: what rests under less friction than that
 SHORT = 1e-8  # of a period: rebounds that end within it are one event
 _HELD = 1e-14  # of the velocity scale: what rounding makes of a velocity that a law without a state holds
 _UNPRESSED = 1e-12  # of the force that gives a mass the velocity scale in a period: a load that follows from forces may touch zero
@@ -298,8 +299,12 @@ class Equations:
     def pressed(self, t: float, y: ArrayLike, mode: ContactModes) -> Pressed:
         """Normal forces on contacts that go forwards, and backwards; positive also a moment after a contact is lost, for steps look on."""
         forwards, backwards = self._by_side(t, y, mode.kinks[1])
-        limits = self.last_limits and (self.kept_positive(self.last_limits[0]), self.kept_positive(self.last_limits[1]))
+        limits = self.last_limits and (self._at_limit(self.last_limits[0]), self._at_limit(self.last_limits[1]))
         return Pressed(self.kept_positive(forwards), self.kept_positive(backwards), limits)
+
+    def _at_limit(self, loads: Floats) -> Floats:
+        """Loads at the limits of rest; one that grows with friction beyond all bounds before such a limit has none, but is a number."""
+        return [load if load > 0.0 else max(_NO_LIMIT * first, TINY) for load, first in zip(loads, self.first_loads, strict=True)]
 
     def kept_positive(self, loads: Floats) -> Floats:
         """Loads that are not less than next to nothing."""
