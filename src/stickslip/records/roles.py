@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.phrases import counted
 from stickslip.basics.units import parted_name, quantity_of, unit_named
 from stickslip.records.candidates import candidate_unit, typed_units
 from stickslip.records.channel import MEASURED, UNUSED, Channel
@@ -116,7 +117,7 @@ def _remark_values(c: Channel, notes: list[str]) -> None:
     missing, infinite = np.isnan(c.values), np.isinf(c.values)
     if missing.any():
         longest = int(np.diff(runs_of(missing)).max())
-        notes.append(f"{c.name}: {int(missing.sum())} values are missing (NaN), the longest run has {longest}")
+        notes.append(f"{c.name}: {counted(int(missing.sum()), 'value')} missing (NaN), the longest run has {longest}")
     if infinite.any():
         notes.append(f"{c.name}: {int(infinite.sum())} values are infinite")
     strange = sum(_senseless(c.values[begin : begin + _TOGETHER]) for begin in range(0, len(c.values), _TOGETHER))

@@ -341,7 +341,7 @@ def test_data_that_cannot_tell_are_said_to():
     assert alike[2] == (
         "these data cannot distinguish M5 from M6 and M7: all explain them, ΔAICc is 3 at most, less than 4; M5 has the fewest numbers"
     )
-    assert "M1 has an AICc that is lower by 83.2, but" in _verdict([row("M1", 2, 0.0, "a fault"), row("M6", 9, 83.2)], None)[2]
+    assert "M1 has an AICc that is lower by 83.2, but a fault" in _verdict([row("M1", 2, 0.0, "a fault"), row("M6", 9, 83.2)], None)[2]
 
 
 def test_the_papers_question_is_not_decided_by_its_four_numbers():

@@ -7,6 +7,7 @@ import pytest
 
 import stickslip as ss
 from bam_bench import COUNT, chirp, pendulum, shown, sines, swung
+from stickslip.inverse.identification import ranking as of_ranking
 from stickslip.inverse.identification.commanded_logs import command_log
 from stickslip.inverse.identification.rounding import rounding_columns
 from stickslip.inverse.identification.structure import Left, structures
@@ -80,7 +81,7 @@ def test_friction_inertia_and_motor_of_a_servo_from_one_log():
     assert servo().friction_name == "servo model M1"
 
 
-def test_a_friction_that_is_not_there_ends_at_zero_and_is_no_fault():
+def test_a_friction_that_is_not_there_ends_at_zero_and_is_no_fault(monkeypatch):
     """A servo without Coulomb friction: base = 0 is supported where it stands alone, and superfluous beside the law without it."""
     rec = log({**M1, "friction_base": 0.0}, 1.0, chirp, 3.0, seed=4)
     free = {"motor_inertia": (1e-3, 0.1), "load.viscous": (0.0, 0.3)}
@@ -88,7 +89,13 @@ def test_a_friction_that_is_not_there_ends_at_zero_and_is_no_fault():
             for name, begin, more in (("viscous", 0.0, {}), ("with base", 0.05, {"load.base": (0.0, 0.3)}))}  # fmt: skip
     both, ranking = fits["with base"], ss.identification.rank(fits)
     assert both.point[2] < 1e-6 and faults(both) == [] and any("it is not negative" in said for said in both.warnings)
-    assert ranking.supported == ("viscous",) and any("viscous has fewer numbers" in fault for fault in ranking.rows[1].faults)
+    assert ranking.supported == ("viscous",) and any("which makes it viscous" in fault for fault in ranking.rows[1].faults)
+    # beside another part that does something, one that ends at zero says nothing against the law
+    monkeypatch.setattr(of_ranking, "at_zero", lambda fit: ["load.external"])
+    monkeypatch.setattr(of_ranking, "faults", lambda fit: [])
+    for more, said in ((("load.external",), 1), (("load.external", "load.motor_quad"), 0)):
+        laws = {"M5": SimpleNamespace(names=("load.base",)), "M6": SimpleNamespace(names=("load.base", *more))}
+        assert len(of_ranking._superfluous(laws["M6"], "M6", laws, dict.fromkeys(laws, (0.0, 0.0)))) == said
 
 
 def test_angles_that_a_model_cannot_follow_within_their_noise_leave_no_narrow_interval():

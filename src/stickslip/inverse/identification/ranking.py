@@ -180,11 +180,14 @@ def rank(fits: Sequence[Fit] | dict[str, Fit], held_out: dict[str, Sequence[floa
 
 
 def _superfluous(fit: Fit, label: str, named: dict[str, Fit], parts: dict[str, tuple[float, float]]) -> list[str]:
-    """Numbers that end at zero where a law with fewer numbers fits no worse: the law is then that one with a part that does nothing."""
-    simpler = [
-        other for other, each in named.items() if each.fitted < fit.fitted and parts[other][0] <= parts[label][0] and not faults(each)
-    ]
-    return [f"{name} ends at its bound 0, and {simpler[0]} has fewer numbers" for name in at_zero(fit)] if simpler else []
+    """What a law has besides one that fits no worse, where all of that ends at zero: it is then that law with parts that do nothing."""
+    zero = at_zero(fit)
+    for other, each in named.items():
+        more = [name for name in fit.names if name not in each.names]
+        within = len(more) == len(fit.names) - len(each.names) > 0 and set(more) <= set(zero)
+        if within and parts[other][0] <= parts[label][0] and not faults(each):
+            return [f"{listed(more)} {'ends' if len(more) == 1 else 'end'} at the bound 0, which makes it {other}"]
+    return []
 
 
 @explains_arguments
@@ -303,7 +306,7 @@ def _verdict(rows: list[Ranked], held_out: dict[str, Any] | None) -> tuple[tuple
         return alike, False, _undecided([r for r in sound if r.label in alike])
     if apart < UNDECIDED:
         off = f"higher by {apart:.3g}" if apart >= 0 else f"lower by {-apart:.3g}"
-        return alike, True, f"{first.label} is supported: {other.label} has an AICc that is {off}, but its fit has a fault"
+        return alike, True, f"{first.label} is supported: {other.label} has an AICc that is {off}, but {other.faults[0]}"
     if held_out is not None and first.label in held_out and other.label in held_out:
         decided, verdict = _held_out_verdict([first, other, *(r for r in rows if r not in (first, other))], held_out)
         return alike if decided else (), decided, verdict
