@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 import stickslip as ss
-from cart_poles import CartAndBob
 from stickslip.basics.fields import leaves
 from stickslip.maths import cos, pi, sin
 from stickslip.models.machine_adapter import machine_of
@@ -143,24 +142,6 @@ class Beam(ss.Machine):
         return {"pad": ss.Contact({"bending": sin(pi * self.place), "second": sin(2 * pi * self.place)}, self.friction, load=0.4)}
 
 
-@dataclass(frozen=True, eq=False)
-class CartPole(CartAndBob):
-    """A pendulum on a cart that is pushed to and fro."""
-
-    friction: Any
-    omega: float = 5.0
-
-    @property
-    def period(self):
-        return 2 * pi / self.omega
-
-    def forces(self, t, q, u):
-        return {"x": 4.0 * sin(self.omega * t) - 3.0 * q["x"], "angle": -0.01 * u["angle"]}
-
-    def contacts(self):
-        return {"rail": ss.Contact("cart", self.friction, load=(self.cart + self.bob) * 9.81)}
-
-
 def den_hartog(F, r=0.7):
     """x'' + x + F sgn x' = cos(r t), with rest."""
     offered = lambda t, y: -y[0] + cos(r * t)  # noqa: E731
@@ -249,22 +230,31 @@ every_machine: dict[str, tuple[Any, str, tuple[float, float]]] = {
     "a machine of your own": (Tow(0.07, 0.03, 0.3, 205.0, 300.0, 0.1, DRY), "stiffness", (250.0, 300.0)),
     "a machine without contacts": (Hammer(5.0), "stiffness", (4.9, 5.0)),
     "a machine by its modes": (Beam(0.3, 0.5, DRY), "place", (0.3, 0.35)),
-    "cart and pole": (CartPole(1.0, 0.3, 0.5, ss.Coulomb(0.1, 0.1)), "length", (0.48, 0.5)),
+    "cart and pole": (ss.presets.cart_pole(), "length", (0.48, 0.5)),
     "a box that hops": (ss.presets.hopping_robot(), "unbalance", (1.6e-4, 1.65e-4)),
     "a SwitchingFlow": (DEN_HARTOG, "F", (0.3, 0.4)),
     "a flow without a period": (_van_der_pol(), "mu", (1.0, 1.1)),
     "a Filippov flow": (_hunted(), "k", (6.0, 6.2)),
     "a flow with contacts": (_belt_by_hand(), "speed", (0.1, 0.12)),
 }
+#: More machines whose bodies move in the plane, which go through the doors with the slow tests.
+in_the_plane: dict[str, tuple[Any, str, tuple[float, float]]] = {
+    "BristleBot": (ss.presets.bristle_bot(), "unbalance", (1e-6, 1.1e-6)),
+    "BlockOnWedge": (ss.presets.block_on_wedge(), "slope", (0.35, 0.36)),
+    "SlidingRod": (ss.presets.sliding_rod(mu=0.3, push=3.0), "length", (0.9, 1.0)),
+    "TwoLinkArm": (ss.presets.two_link_arm(), "length", (0.45, 0.46)),
+    "ModeCoupling": (ss.presets.mode_coupling(), "preload", (9.0, 10.0)),
+}
+all_machines = every_machine | in_the_plane
 #: Those that have bodies: all but the flows.
 with_bodies = {name: made for name, made in every_machine.items() if not is_flow(made[0])}
-OWN = (Capsule, Tow, Hammer, Beam, CartPole)
+OWN = (Capsule, Tow, Hammer, Beam)
 
 
 def without_line(made):
     """A sentence where `every_machine` has no machine of a class."""
     line = f'"{made.__name__}": ({made.__name__}(...), "name of a number of it", (one value, another)),'
-    found = any(isinstance(machine, made) for machine, *_ in every_machine.values())
+    found = any(isinstance(machine, made) for machine, *_ in all_machines.values())
     return [] if found else [f"{made.__name__}: add a line to every_machine in tests/every.py: {line}"]
 
 
@@ -328,6 +318,8 @@ class Case:
             "friction.mu_plus": [0.2, 0.25],
             "r": [0.7, 0.8],
             "gap": [0.45, 0.5],
+            "tilt": [0.4, 0.41],
+            "shoulder_torque": [24.0, 25.0],
             "effort": [0.3, 0.35],
         }
         names |= {"k": [4.0, 4.5]}
@@ -571,7 +563,7 @@ def _command(c):
 
     how = "\n".join(f"{name} = {value}" for name, value in c.length.items())
     own = isinstance(c.machine, OWN)
-    (c.folder / "mine_of_every.py").write_text(f"from every import every_machine\n\ndef rig():\n    return every_machine[{c.name!r}][0]\n")
+    (c.folder / "mine_of_every.py").write_text(f"from every import all_machines\n\ndef rig():\n    return all_machines[{c.name!r}][0]\n")
     text = 'make = "mine_of_every.py:rig"\n' if own else c.machine.to_toml()
     (c.folder / "study.toml").write_text(f"{text}\n[solve]\n{how}\n", encoding="utf-8")
     out = io.StringIO()
@@ -700,7 +692,7 @@ def _command_of_flow(c):
 
     from stickslip.show.cli import main
 
-    (c.folder / "flow_of_every.py").write_text(f"from every import every_machine\n\ndef flow():\n    return every_machine[{c.name!r}][0]\n")
+    (c.folder / "flow_of_every.py").write_text(f"from every import every_machine\n\ndef flow():\n    return all_machines[{c.name!r}][0]\n")
     how = "\n".join(f"{name} = {value}" for name, value in c.length.items())
     (c.folder / "flow.toml").write_text(f'make = "flow_of_every.py:flow"\n\n[solve]\n{how}\n', encoding="utf-8")
     out = io.StringIO()

@@ -1,4 +1,4 @@
-"""The table of the page on which machine goes through which door: made from what tests/properties/test_every_machine.py tries.
+"""The table of the page on which machine goes through which door: made from what tests/properties/test_all_machines.py tries.
 
 ``python docs/_ext/which_machine.py`` tries every machine at every door and writes notes/which-machine.md anew; with names of machines
 behind it, as they stand in tests/every.py, it tries these alone and keeps what the page says of the others.
@@ -102,14 +102,14 @@ def main(*names):
     sys.path.insert(0, str(PAGE.parent.parent / "tests"))
     import matplotlib.pyplot as plt
 
-    from every import Case, door_of, every_door, every_machine
+    from every import Case, all_machines, door_of, every_door
 
     text = PAGE.read_text(encoding="utf-8")
     kept = kept_table(text)
-    if wrong := unknown(names, every_machine) or lacking(names, every_machine, every_door, kept):
+    if wrong := unknown(names, all_machines) or lacking(names, all_machines, every_door, kept):
         raise SystemExit("\n".join(wrong))
     cells = {}
-    for name, made in every_machine.items():
+    for name, made in all_machines.items():
         if names and name not in names:
             cells |= {(name, door): kept[name, door] for door in every_door}
             continue

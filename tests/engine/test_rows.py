@@ -13,7 +13,6 @@ import drawn
 import stickslip as ss
 from engine.test_emit import plain
 from models.machines.test_any_coordinates import ARM, POLE
-from models.machines.test_rails import CartPole
 from problems import chain
 from stickslip.basics.batch import rows_of
 from stickslip.basics.fields import leaves
@@ -168,7 +167,7 @@ def test_coefficients_of_every_law_and_drive_are_those_of_a_second_method():
 
 def test_coefficients_of_machines_with_places_are_those_of_a_second_method():
     """Whose accelerations solve linear equations: the second method divides series, as elimination is written out."""
-    rail = type("Driven", (CartPole,), {"period": 1.25})(1.0, 0.8, 0.5, ss.Coulomb(0.1, 0.12))
+    rail = ss.machines.CartPole(1.0, 0.8, 0.5, ss.Coulomb(0.1, 0.12))
     for model in (rail, POLE, ARM):
         assert trace.trace(model).graph.linear
         assert compared(model, np.random.default_rng(0))[0] <= ROUNDINGS, type(model).__name__

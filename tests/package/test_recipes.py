@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from every import every_machine, without_line
+from every import all_machines, without_line
 from house import ROOT
 from kinds import LAWS
 from registries import (
@@ -120,7 +120,7 @@ def test_a_link_has_what_its_recipe_names(name):
 @each_row("name", MECHANISMS)
 def test_a_machine_has_what_its_recipe_names(name):
     tell([*machine_lacks(name), *without_line(MECHANISMS[name])])
-    machine = next(machine for machine, *_ in every_machine.values() if isinstance(machine, MECHANISMS[name]))
+    machine = next(machine for machine, *_ in all_machines.values() if isinstance(machine, MECHANISMS[name]))
     assert type(from_text(machine.to_toml())) is MECHANISMS[name]
 
 

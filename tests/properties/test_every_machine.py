@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import stickslip as ss
-from every import Case, door_of, every_door, every_machine, not_on_page, without_line, wrong_line
+from every import Case, all_machines, door_of, every_door, every_machine, in_the_plane, not_on_page, without_line, wrong_line
 from registries import tell
 from rows import each_row
 from stickslip.analysis.losses_at_instants import lost_at_hits
@@ -29,12 +29,12 @@ def kept():
 def test_every_kind_of_machine_has_a_line():
     """First of all: without its line and its column a machine fails at every door, for this one reason."""
     tell([sentence for made in MECHANISMS.values() for sentence in without_line(made)])
-    tell([sentence for name, line in every_machine.items() for sentence in wrong_line(name, line)])
+    tell([sentence for name, line in all_machines.items() for sentence in wrong_line(name, line)])
 
 
 def test_the_page_lists_every_machine_and_every_door():
-    tell([sentence for name in every_machine for sentence in not_on_page(name, kept())])
-    left = sorted({name for name, _ in kept()} - set(every_machine))
+    tell([sentence for name in all_machines for sentence in not_on_page(name, kept())])
+    left = sorted({name for name, _ in kept()} - set(all_machines))
     left += sorted({door for _, door in kept()} ^ set(every_door))
     assert not left, f"{', '.join(left)}: not both in tests/every.py and on the page; type python docs/_ext/which_machine.py"
     assert table(kept()) in PAGE.read_text(encoding="utf-8")
@@ -54,10 +54,10 @@ def test_a_page_that_lacks_another_machine_says_to_name_that_one_too():
     assert at_one == [f"notes/which-machine.md lacks 'Joint' at report{end}"]
 
 
-@pytest.fixture(params=every_machine, scope="module")
+@pytest.fixture(params=[*every_machine, *(pytest.param(name, marks=pytest.mark.slow) for name in in_the_plane)], scope="module")
 def case(request, tmp_path_factory):
     tell(not_on_page(request.param, kept()))
-    return Case(request.param, *every_machine[request.param], tmp_path_factory.mktemp("every"))
+    return Case(request.param, *all_machines[request.param], tmp_path_factory.mktemp("every"))
 
 
 @each_row("door", every_door)

@@ -67,7 +67,8 @@ def _rank(machine: MachineAdapter, group: list[int]) -> int:
     rows = [m.directions[i] for i in group]
     if any(SOME in row for row in rows):
         given = m.rows(0.0, m.start)
-        rows = np.moveaxis(np.stack([np.stack(np.broadcast_arrays(*map(np.asarray, np.ravel(given[i])))) for i in group]), -1, 0)
+        each = np.array(np.broadcast_arrays(*(number for i in group for number in given[i])), float)
+        rows = np.moveaxis(each.reshape(len(group), m.coordinates, -1), -1, 0)
     return int(np.min(np.linalg.matrix_rank(np.array(rows, float))))
 
 

@@ -9,11 +9,11 @@ import numpy as np
 
 
 def is_nothing(value: Any) -> bool:
-    """Whether a value is zero: a plain zero, an array of zeros, or a symbol that knows it (``__ss_is_zero__``)."""
+    """Whether a value is zero: a plain zero, an array of zeros (none if it is empty), or a symbol that knows it (``__ss_is_zero__``)."""
     if isinstance(value, (int, float)):
         return value == 0
     hook = getattr(value, "__ss_is_zero__", None)
-    return bool(hook()) if hook is not None else isinstance(value, np.ndarray) and not value.any()
+    return bool(hook()) if hook is not None else isinstance(value, np.ndarray) and value.size > 0 and not value.any()
 
 
 def product(a: Any, b: Any) -> Any:

@@ -190,7 +190,7 @@ def test_a_force_of_ones_own_needs_a_period_and_its_value():
     assert (Squared(2.0, OMEGA).__class__.__name__ in repr(ss.HarmonicForce(1.0, OMEGA) + Squared(1.0, OMEGA))) is True
 
 
-@pytest.mark.parametrize("name", [*TRUTH, "both"])
+@each_row("name", [*TRUTH, "both"])
 def test_robots_come_back_from_their_files_and_from_the_mirror(name, runs):
     robot = TRUTH[name][0] if name in TRUTH else BOTH_SIDES
     assert ss.Robot.from_toml(robot.to_toml()) == robot

@@ -127,14 +127,17 @@ def test_elasto_plastic_friction_does_not_drift_below_break_away():
 # physics ----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("law", [UNEVEN, ss.LuGre(0.8, 1.2, 1.1, 1.5, 1e4, 100.0, 0.4, 0.01)], ids=["coulomb", "lugre"])
-@pytest.mark.parametrize(
-    "bench",
+FORCED = oscillator(0.3, damping=0.1, bias=0.1, force=2.5)
+BRISTLES = ss.LuGre(0.8, 1.2, 1.1, 1.5, 1e4, 100.0, 0.4, 0.01)
+
+
+@each_row(
+    "bench, law",
     [
-        belt.replace(damping=0.2), pull.replace(damping=0.2), oscillator(0.3, damping=0.1, bias=0.1, force=2.5),
-        oscillator(0.3, force=0.0), oscillator(0.3, stiffness=0.0, force=2.5),
+        (belt.replace(damping=0.2), UNEVEN), (pull.replace(damping=0.2), UNEVEN), (FORCED, UNEVEN), (oscillator(0.3, force=0.0), UNEVEN),
+        (oscillator(0.3, stiffness=0.0, force=2.5), UNEVEN), (belt.replace(damping=0.2), BRISTLES), (FORCED, BRISTLES),
     ],
-    ids=["belt", "pull", "forced", "free", "pushed"],
+    ids=["belt", "pull", "forced", "free", "pushed", "belt, LuGre", "forced, LuGre"],
 )  # fmt: skip
 def test_energy_balances(bench, law):
     """Power in = rise of kinetic and spring energy + friction + damping. Gauss nodes on cubic pieces leave 1e-7 at rtol 1e-8."""

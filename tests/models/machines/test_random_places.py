@@ -13,32 +13,12 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from cart_poles import CartAndBob
-from models.machines.test_any_coordinates import Arm, DoublePole
+from models.machines.test_any_coordinates import CartPole as LoadedPole, DoublePole, arm
 from models.machines.test_landings import Ball, Hopper, Particle, Rod, Rotor
-from models.machines.test_rails import CartPole, Wedge
-from stickslip.maths import cos, pi, sin
+from stickslip.machines import BlockOnWedge, CartPole
+from stickslip.maths import cos, sin
 
 FAR = 1e-7  # of a motion: what may lie between two right answers after some events
-
-
-@dataclass(frozen=True, eq=False)
-class PushedPole(CartAndBob):
-    """A cart on a rail that is pushed to and fro, whose pendulum rubs in its pivot too."""
-
-    push: float
-    omega: float
-    friction: Any
-
-    @property
-    def period(self):
-        return 2 * pi / self.omega
-
-    def forces(self, t, q, u):
-        return {"x": self.push * sin(self.omega * t)}
-
-    def contacts(self):
-        return {"rail": ss.Contact("cart", self.friction, load=9.81 * (self.cart + self.bob))}
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,9 +61,11 @@ def laws(rng):
 
 FORMS = {
     "cart and pole on a rail": lambda rng, law: CartPole(*rng.uniform(0.3, 2.0, 2), rng.uniform(0.3, 1.0), law),
-    "pushed cart and pole": lambda rng, law: PushedPole(*rng.uniform(0.3, 2.0, 2), *rng.uniform([0.3, 2.0, 2.0], [1.0, 12.0, 9.0]), law),
-    "block on a wedge": lambda rng, law: Wedge(*rng.uniform(0.3, 2.0, 2), rng.uniform(0.1, 1.2), law),
-    "arm": lambda rng, law: Arm(law, *rng.uniform(2.0, 8.0, 2)),
+    "pushed cart and pole": lambda rng, law: LoadedPole(
+        *rng.uniform(0.3, 2.0, 2), rng.uniform(0.3, 1.0), law, *rng.uniform([2.0, 2.0], [12.0, 9.0])
+    ),
+    "block on a wedge": lambda rng, law: BlockOnWedge(*rng.uniform(0.3, 2.0, 2), rng.uniform(0.1, 1.2), law),
+    "arm": lambda rng, law: arm(law, *rng.uniform(2.0, 8.0, 2)),
     "two pendulums on a rail": lambda rng, law: DoublePole(law),
     "crank": lambda rng, law: Crank(*rng.uniform([0.3, 0.3, 0.1, 2.0], [2.0, 2.0, 1.0, 40.0]), law),
 }

@@ -7,23 +7,31 @@ from stickslip.basics.quantities import PAPER_AMPLITUDES
 from stickslip.models.presets.boxes import hopping_robot, rocking_block
 from stickslip.models.presets.capsules import capsubot, capsule
 from stickslip.models.presets.chains import two_modules, worm
-from stickslip.models.presets.joints import servo
+from stickslip.models.presets.in_the_plane import block_on_wedge, bristle_bot, cart_pole, mode_coupling, sliding_rod, two_link_arm
+from stickslip.models.presets.joints import gear_joint, servo
 from stickslip.models.presets.robots import coulomb_robot, piezo_beam_rig, piezo_rig
 from stickslip.models.presets.stages_and_conveyors import conveyor, stick_slip_stage
 
 __all__ = [
     "PAPER_AMPLITUDES",
     "PRESETS",
+    "block_on_wedge",
+    "bristle_bot",
     "capsubot",
     "capsule",
+    "cart_pole",
     "conveyor",
     "coulomb_robot",
+    "gear_joint",
     "hopping_robot",
+    "mode_coupling",
     "piezo_beam_rig",
     "piezo_rig",
     "rocking_block",
     "servo",
+    "sliding_rod",
     "stick_slip_stage",
+    "two_link_arm",
     "two_modules",
     "worm",
 ]
@@ -38,10 +46,17 @@ _ALL = (
     capsubot,
     capsule,
     servo,
+    gear_joint,
     stick_slip_stage,
     conveyor,
     hopping_robot,
     rocking_block,
+    bristle_bot,
+    cart_pole,
+    block_on_wedge,
+    sliding_rod,
+    two_link_arm,
+    mode_coupling,
 )
 #: Every preset by its name.
 PRESETS = {preset.__name__: preset for preset in _ALL}

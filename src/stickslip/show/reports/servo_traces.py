@@ -71,4 +71,5 @@ def _applied(run: Trajectory, t: Array, at: dict[str, Any]) -> Array:
     _, placed, index = run._placed(t)
     held = held_by_controllers(mechanics, run._states_at(placed, index)[2])
     given = [*mechanics.model.forces(t, x, v).items(), *mechanics.controllers.forces(t, x, v, held)]
-    return sum((torque for _, torque in given), 0.0 * t)
+    torques = [torque for _, of in given for torque in (of.values() if isinstance(of, dict) else (of,))]  # by names, or one
+    return sum(torques, 0.0 * t)

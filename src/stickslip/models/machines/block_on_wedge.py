@@ -1,0 +1,105 @@
+"""A block on a wedge that is free to go back, or shaken on a spring."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from stickslip.basics.contracts import Numeric
+from stickslip.basics.errors import Problems
+from stickslip.basics.maths import cos, pi, sin
+from stickslip.basics.quantities import DAMPING, GRAVITY, STIFFNESS, Rule, positive, quantity, remarks_on_gravity
+from stickslip.models.forces import check_law
+from stickslip.models.machines.cart_pole import PUSH, PUSHED_AT, check_spring
+from stickslip.models.machines.machine import Machine
+from stickslip.models.machines.parts import Body, Contact, Spring
+
+_STEEP = Rule(lambda slope: (slope > -pi / 2) & (slope < pi / 2), "an angle between -pi/2 and pi/2 [rad]")
+
+
+@dataclass(frozen=True, eq=False)
+class BlockOnWedge(Machine):
+    r"""A block that rubs on a wedge, which slides on the ground without friction: free, or on a spring and pushed to and fro.
+
+    .. math:: N = \frac{m g\cos\alpha}{1 + \frac{m}{M}\sin\alpha\,(\sin\alpha - \mu\cos\alpha)}, \qquad
+              M\ddot x = -N(\sin\alpha - \mu\cos\alpha), \qquad m\ddot s\sin\alpha = m g - N(\cos\alpha + \mu\sin\alpha)
+
+    for a free wedge, while the block slides down. Coordinates are x of the wedge and `down`, s, the way of the block along the slope; the
+    load of the face follows from the motion of both. With :math:`\mu \ge \tan\alpha` the block stays where it is, and on a wedge that is
+    pushed by :math:`F\sin\omega t` it creeps down.
+
+    Parameters
+    ----------
+    wedge, block : float
+        Masses M and m [kg].
+    slope : float
+        Angle of the face below the horizontal, forwards [rad].
+    friction : Coulomb or any law that rests exactly and is proportional to the load
+        Friction law of the face, which holds the block on both sides.
+    push, omega : float
+        Amplitude F and angular frequency of the force on the wedge [N], [rad/s].
+    stiffness, damping : float, optional
+        k and c of a spring that holds the wedge [N/m], [N s/m]; without a stiffness there is none, and the wedge may travel.
+    gravity : float
+        Acceleration of gravity [m/s^2].
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import stickslip as ss
+    >>> free = BlockOnWedge(wedge=2.0, block=0.5, slope=0.5, friction=ss.Coulomb(0.2, 0.2))
+    >>> run, c, s = ss.solve(free, duration=1.0), np.cos(0.5), np.sin(0.5)
+    >>> load = 0.5 * 9.81 * c / (1 + 0.5 / 2.0 * s * (s - 0.2 * c))
+    >>> print(f"{run.load[-1, 0]:.9f} N, by hand {load:.9f} N")
+    4.153258220 N, by hand 4.153258220 N
+    """
+
+    wedge: float = field(metadata=quantity("mass of the wedge", "kg", "M", example=2.0, rule=positive))
+    block: float = field(metadata=quantity("mass of the block", "kg", "m", example=0.5, rule=positive))
+    slope: float = field(metadata=quantity("slope of the face", "rad", r"\alpha", example=0.5, rule=_STEEP, shown="°"))
+    friction: Any
+    push: float = field(default=0.0, metadata=PUSH)
+    omega: float = field(default=5.0, metadata=PUSHED_AT)
+    stiffness: float | None = field(default=None, metadata=STIFFNESS | {"example": 20.0})
+    damping: float = field(default=0.0, metadata=DAMPING)
+    gravity: float = field(default=9.81, metadata=GRAVITY)
+
+    kind: ClassVar[str] = "block_on_wedge"  # its name in a study file
+    coordinates: ClassVar[tuple[str, ...]] = ("x", "down")
+
+    @property
+    def period(self) -> Any:
+        """That of the push [s]."""
+        return 2 * pi / self.omega
+
+    def _check(self, problems: Problems) -> None:
+        check_law(self.friction, problems)
+        check_spring(self, problems)
+        if not problems.mistakes:
+            super()._check(problems)
+
+    @property
+    def notes(self) -> list[str]:
+        """Remarks on these numbers that are not errors."""
+        return remarks_on_gravity(self.gravity)
+
+    def bodies(self) -> Mapping[str, Any]:
+        """The wedge, which is pushed, and the block."""
+
+        def pushed(t: Numeric, x: Any, v: Any) -> Any:
+            return (self.push * sin(self.omega * t), 0.0)
+
+        return {"wedge": Body(self.wedge, force=pushed), "block": Body(self.block)}
+
+    def places(self, t: Any, q: Any) -> dict[str, Any]:
+        """The upper end of the face, at the height 0, and the block on it."""
+        return {"wedge": (q["x"], 0.0), "block": (q["x"] + q["down"] * cos(self.slope), -q["down"] * sin(self.slope))}
+
+    def links(self) -> Mapping[Any, Any]:
+        """The spring that holds the wedge."""
+        return {} if self.stiffness is None else {("x", None): Spring(self.stiffness, self.damping)}
+
+    def contacts(self) -> Mapping[str, Any]:
+        """The face."""
+        return {"face": Contact("block", self.friction, on="wedge", hold="both")}
