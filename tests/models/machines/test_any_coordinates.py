@@ -165,7 +165,7 @@ def test_energy_is_balanced_to_rounding_and_what_rests_rests_exactly():
     assert rests.any() and np.all(run.v[rests, 0] == 0.0)
     assert np.all(abs(run.contacts["rail"].friction_force[rests]) <= 0.1 * 1.3 * 9.81 * (1 + 1e-12))
 
-    machine = Arm(ss.Coulomb(0.2, 0.2, 0.35, 0.3))  # static friction above kinetic: what rested stays if it can, as the judge decides
+    machine = arm(ss.Coulomb(0.2, 0.2, 0.35, 0.3))  # static friction above kinetic: what rested stays if it can, as the judge decides
     eq, judge, rng = trace(machine), Equations(machine), np.random.default_rng(1)
     for _ in range(120):
         t, *q, side = rng.uniform(0, 2), *rng.uniform(-3, 3, 2), float(rng.choice([-1, 1]))
