@@ -279,8 +279,9 @@ def mode_coupling(
 ) -> ModeCoupling:
     """Hoffmann's minimal model of brake squeal: two modes of a pad flutter, under friction that does not fall with velocity.
 
-    Mass and stiffnesses are those of Hoffmann, Fischer, Allgaier and Gaul (Mech. Res. Commun. 29 (2002) 197-205): m = 1, springs of 11
-    and 20 at 150 and 30 degrees, and 11 of the contact; damping and speed are ours: the pad squeals without leaving the belt.
+    The equations are those of Hoffmann, Fischer, Allgaier and Gaul (Mech. Res. Commun. 29 (2002) 197-205); the numbers are ours, of the
+    size that is usual with them: m = 1, springs of 11 and 20 at 150 and 30 degrees, and 11 of the contact, with a damping and a speed at
+    which the pad squeals without leaving the belt.
 
     Parameters
     ----------
