@@ -692,7 +692,7 @@ def _command_of_flow(c):
 
     from stickslip.show.cli import main
 
-    (c.folder / "flow_of_every.py").write_text(f"from every import every_machine\n\ndef flow():\n    return all_machines[{c.name!r}][0]\n")
+    (c.folder / "flow_of_every.py").write_text(f"from every import all_machines\n\ndef flow():\n    return all_machines[{c.name!r}][0]\n")
     how = "\n".join(f"{name} = {value}" for name, value in c.length.items())
     (c.folder / "flow.toml").write_text(f'make = "flow_of_every.py:flow"\n\n[solve]\n{how}\n', encoding="utf-8")
     out = io.StringIO()

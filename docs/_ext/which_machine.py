@@ -1,4 +1,4 @@
-"""The table of the page on which machine goes through which door: made from what tests/properties/test_all_machines.py tries.
+"""The table of the page on which machine goes through which door: made from what tests/properties/test_every_machine.py tries.
 
 ``python docs/_ext/which_machine.py`` tries every machine at every door and writes notes/which-machine.md anew; with names of machines
 behind it, as they stand in tests/every.py, it tries these alone and keeps what the page says of the others.

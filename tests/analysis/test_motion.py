@@ -198,6 +198,7 @@ def strobes(values, rtol=1e-6, settle=0):
         load=1.0,
         total_mass=1.0,
         acceleration=lambda t, x, v, R: -R,
+        contact_velocity=lambda v: v,
         friction=SimpleNamespace(rate=1, force=1),
     )
     times = np.arange(float(len(v)))

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from every import every_machine
+from every import all_machines
 from hostile import Outcome, limits, strange, warm
 from stickslip import maths, tracks
 from stickslip.basics.notebook_display import Face
@@ -266,6 +266,7 @@ def examples():
     body = {"mass": 1.0, "stiffness": 100.0, "friction": ss.Coulomb(0.1, 0.2), "load": 1.0, "damping": 0.1}
     found |= {name: (kind, {**body, "speed": 0.1}) for name, kind in (("PulledMass", ss.PulledMass), ("BlockOnBelt", ss.BlockOnBelt))}
     found["ForcedOscillator"] = ss.ForcedOscillator, {**body, "force": 1.0, "omega": 8.0, "bias": 0.0}
+    found["Lubricated"] = ss.machines.Lubricated, {"mu": 1.0}
     found["ForceRig"] = ss.machines.ForceRig, {"friction": ss.Coulomb(0.1, 0.2), "backlash": 1e-4}
     for kinds in (LAWS, DRIVES):
         for name, kind in kinds.items():
@@ -282,7 +283,7 @@ def of_others(found, known):
     called = names_in(found)
     more = {}
     for name in set(PUBLIC) - NO_DOORS - called:
-        one = next((machine for machine, *_ in every_machine.values() if type(machine) is PUBLIC[name]), None)
+        one = next((machine for machine, *_ in all_machines.values() if type(machine) is PUBLIC[name]), None)
         if one is not None:
             more[name] = type(one), {field.name: getattr(one, field.name) for field in dataclasses.fields(one)}
         elif needs(PUBLIC[name]) <= set(known):

@@ -78,7 +78,7 @@ def test_gaps_jitter_and_missing_values_are_told(tmp_path):
     rec = ss.read(write(tmp_path, rows(t=T[keep], v=v[keep])))
     c = rec["v"]
     assert len(c.gaps) == 1 and c.gaps[0].start == pytest.approx(0.099) and c.gaps[0].length == pytest.approx(0.051)
-    assert c.rate == pytest.approx(1000) and any("5 values are missing" in n for n in rec.notes)
+    assert c.rate == pytest.approx(1000) and any("5 values missing" in n for n in rec.notes)
 
 
 def test_times_that_fall_are_told(tmp_path):

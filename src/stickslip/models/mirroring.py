@@ -85,9 +85,9 @@ def _turned(drive: Drive) -> Any:
 def _unmirrored(model: Any, image: Any) -> str:
     """What of a machine is not mirrored, tested at a few instants; "" if there is nothing."""
     machine, m, o = machine_of(model), machine_of(model).mechanics, machine_of(image).mechanics
-    for s, speed, place in _MOMENTS:
-        t, u, q = s * (machine.time_scale or 1.0), (speed,) * m.coordinates, (place,) * m.coordinates
-        back, there = (-speed,) * m.coordinates, (-place,) * m.coordinates
+    for s, speed, position in _MOMENTS:
+        t, u, q = s * (machine.time_scale or 1.0), (speed,) * m.coordinates, (position,) * m.coordinates
+        back, there = (-speed,) * m.coordinates, (-position,) * m.coordinates
         loads, others = m.loads(t, q, u), o.loads(t, there, back)
         if not all(_opposite(N, -other) for N, other in zip(loads, others, strict=True)):
             return "the load"
