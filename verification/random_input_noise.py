@@ -24,6 +24,7 @@ from stickslip.models.friction.law_adapter import adapted
 
 Random = np.random.Generator
 FINE, STARTS, LOAD = 40, 16, 40.0
+GAIN = 0.02  # what a fit expects of a gain where nothing is said; of others its intervals hold the truth more or less often
 
 
 def law_over(law: Any, x: Any, v: Any, t: Any) -> Any:
@@ -52,7 +53,7 @@ def read_by_sensors(random: Random, t: Any, x: Any, y: Any, level: float, names:
     seen = x(t) + random.normal(0.0, 1.0, len(t)) * size
     seen = count * np.round(seen / count) if size < 3 * count else seen
     late = float(random.uniform(0.0, 2.0)) * float(t[1] - t[0])
-    force = np.interp(t - late, t, y) * float(random.normal(1.0, 0.01)) + float(random.normal(0.0, 0.02)) * float(np.std(y))
+    force = np.interp(t - late, t, y) * float(random.normal(1.0, GAIN)) + float(random.normal(0.0, 0.02)) * float(np.std(y))
     return ss.Record.of(t, {names[0]: seen, names[1]: force + random.normal(0.0, level, len(t))}, roles=roles, synthetic=True)
 
 
