@@ -6,20 +6,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from stickslip.basics.contracts import Numeric
-from stickslip.basics.errors import Problems
 from stickslip.basics.maths import cos, pi, sin
-from stickslip.basics.quantities import DAMPING, GRAVITY, STIFFNESS, Rule, positive, quantity, remarks_on_gravity
-from stickslip.models.forces import check_law
-from stickslip.models.machines.cart_pole import PUSH, PUSHED_AT, check_spring
-from stickslip.models.machines.machine import Machine
-from stickslip.models.machines.parts import Body, Contact, Spring
+from stickslip.basics.quantities import DAMPING, GRAVITY, STIFFNESS, Rule, positive, quantity
+from stickslip.models.machines.in_the_plane import PUSH, PUSHED_AT, PushedOnSpring
+from stickslip.models.machines.parts import Body, Contact
 
 _STEEP = Rule(lambda slope: (slope > -pi / 2) & (slope < pi / 2), "an angle between -pi/2 and pi/2 [rad]")
 
 
 @dataclass(frozen=True, eq=False)
-class BlockOnWedge(Machine):
+class BlockOnWedge(PushedOnSpring):
     r"""A block that rubs on a wedge, which slides on the ground without friction: free, or on a spring and pushed to and fro.
 
     .. math:: N = \frac{m g\cos\alpha}{1 + \frac{m}{M}\sin\alpha\,(\sin\alpha - \mu\cos\alpha)}, \qquad
@@ -68,37 +64,13 @@ class BlockOnWedge(Machine):
     kind: ClassVar[str] = "block_on_wedge"  # its name in a study file
     coordinates: ClassVar[tuple[str, ...]] = ("x", "down")
 
-    @property
-    def period(self) -> Any:
-        """That of the push [s]."""
-        return 2 * pi / self.omega
-
-    def _check(self, problems: Problems) -> None:
-        check_law(self.friction, problems)
-        check_spring(self, problems)
-        if not problems.mistakes:
-            super()._check(problems)
-
-    @property
-    def notes(self) -> list[str]:
-        """Remarks on these numbers that are not errors."""
-        return remarks_on_gravity(self.gravity)
-
     def bodies(self) -> Mapping[str, Any]:
         """The wedge, which is pushed, and the block."""
-
-        def pushed(t: Numeric, x: Any, v: Any) -> Any:
-            return (self.push * sin(self.omega * t), 0.0)
-
-        return {"wedge": Body(self.wedge, force=pushed), "block": Body(self.block)}
+        return {"wedge": Body(self.wedge, force=self._push()), "block": Body(self.block)}
 
     def places(self, t: Any, q: Any) -> dict[str, Any]:
         """The upper end of the face, at the height 0, and the block on it."""
         return {"wedge": (q["x"], 0.0), "block": (q["x"] + q["down"] * cos(self.slope), -q["down"] * sin(self.slope))}
-
-    def links(self) -> Mapping[Any, Any]:
-        """The spring that holds the wedge."""
-        return {} if self.stiffness is None else {("x", None): Spring(self.stiffness, self.damping)}
 
     def contacts(self) -> Mapping[str, Any]:
         """The face."""

@@ -7,13 +7,11 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from stickslip.basics.contracts import Numeric
-from stickslip.basics.errors import Problems
 from stickslip.basics.maths import cos, pi, sin, sqrt
-from stickslip.basics.quantities import GRAVITY, MASS, Rule, at_least, positive, quantity, remarks_on_gravity
-from stickslip.models.forces import check_law
+from stickslip.basics.quantities import GRAVITY, MASS, Rule, at_least, positive, quantity
 from stickslip.models.friction import LAWS
 from stickslip.models.friction.law import Law
-from stickslip.models.machines.machine import Machine
+from stickslip.models.machines.in_the_plane import InThePlane
 from stickslip.models.machines.parts import Body, Contact, Spring
 
 _LEANS = Rule(lambda angle: (angle > 0) & (angle < pi / 2), "an angle above 0 and below pi/2 [rad]")
@@ -47,7 +45,7 @@ class Lubricated(Law):
 
 
 @dataclass(frozen=True, eq=False)
-class BristleBot(Machine):
+class BristleBot(InThePlane):
     r"""A body on tilted bristles that bend, with an unbalanced rotor: it goes by the friction that the rotor's beat modulates.
 
     .. math:: m\ddot x = a\,U\omega^2\cos\omega t - R(w, N), \qquad
@@ -110,24 +108,9 @@ class BristleBot(Machine):
     part_kinds: ClassVar[dict[str, Any]] = {"friction": {**LAWS, "lubricated": Lubricated}}
 
     @property
-    def period(self) -> Any:
-        """That of the rotor [s]."""
-        return 2 * pi / self.omega
-
-    @property
     def force(self) -> Any:
         """Force of the rotor [N]."""
         return self.unbalance * self.omega**2
-
-    def _check(self, problems: Problems) -> None:
-        check_law(self.friction, problems)
-        if not problems.mistakes:
-            super()._check(problems)
-
-    @property
-    def notes(self) -> list[str]:
-        """Remarks on these numbers that are not errors."""
-        return remarks_on_gravity(self.gravity)
 
     @property
     def relaxed(self) -> Any:

@@ -6,28 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-import numpy as np
-
-from stickslip.basics.contracts import Numeric
-from stickslip.basics.errors import Problems
-from stickslip.basics.maths import cos, pi, sin
-from stickslip.basics.quantities import DAMPING, GRAVITY, STIFFNESS, at_least, positive, quantity, remarks_on_gravity
-from stickslip.models.forces import check_law
-from stickslip.models.machines.machine import Machine
-from stickslip.models.machines.parts import Body, Contact, Spring
-
-PUSH = quantity("force of the push", "N", "F", example=4.0, rule=at_least(0.0))
-PUSHED_AT = quantity("angular frequency of the push", "rad/s", r"\omega", example=5.0, rule=positive)
-
-
-def check_spring(machine: Any, problems: Problems) -> None:
-    """Note a damper without its spring."""
-    if machine.stiffness is None and np.any(np.asarray(machine.damping) != 0.0):
-        problems.add(f"damping = {machine.damping!r} is given alone, and there is no spring; type stiffness=0.0 for a damper without one")
+from stickslip.basics.maths import cos, sin
+from stickslip.basics.quantities import DAMPING, GRAVITY, STIFFNESS, positive, quantity
+from stickslip.models.machines.in_the_plane import PUSH, PUSHED_AT, PushedOnSpring
+from stickslip.models.machines.parts import Body, Contact
 
 
 @dataclass(frozen=True, eq=False)
-class CartPole(Machine):
+class CartPole(PushedOnSpring):
     r"""A cart on a rail with a pendulum on it, pushed by :math:`F\sin\omega t`; the load of the rail follows from the swing.
 
     .. math:: (M + m)\ddot x + m l(\ddot\varphi\cos\varphi - \dot\varphi^2\sin\varphi) = F\sin\omega t - kx - c\dot x - R(\dot x, N),
@@ -84,37 +70,13 @@ class CartPole(Machine):
     kind: ClassVar[str] = "cart_pole"  # its name in a study file
     coordinates: ClassVar[tuple[str, ...]] = ("x", "angle")
 
-    @property
-    def period(self) -> Any:
-        """That of the push [s]."""
-        return 2 * pi / self.omega
-
-    def _check(self, problems: Problems) -> None:
-        check_law(self.friction, problems)
-        check_spring(self, problems)
-        if not problems.mistakes:
-            super()._check(problems)
-
-    @property
-    def notes(self) -> list[str]:
-        """Remarks on these numbers that are not errors."""
-        return remarks_on_gravity(self.gravity)
-
     def bodies(self) -> Mapping[str, Any]:
         """The cart, which is pushed, and the bob."""
-
-        def pushed(t: Numeric, x: Any, v: Any) -> Any:
-            return (self.push * sin(self.omega * t), 0.0)
-
-        return {"cart": Body(self.cart, force=pushed), "bob": Body(self.bob)}
+        return {"cart": Body(self.cart, force=self._push()), "bob": Body(self.bob)}
 
     def places(self, t: Any, q: Any) -> dict[str, Any]:
         """The cart at the height 0, and the bob."""
         return {"cart": (q["x"], 0.0), "bob": (q["x"] + self.length * sin(q["angle"]), -self.length * cos(q["angle"]))}
-
-    def links(self) -> Mapping[Any, Any]:
-        """The spring that holds the cart."""
-        return {} if self.stiffness is None else {("x", None): Spring(self.stiffness, self.damping)}
 
     def contacts(self) -> Mapping[str, Any]:
         """The rail."""

@@ -8,10 +8,9 @@ from typing import Any, ClassVar
 
 from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
-from stickslip.basics.maths import cos, pi, sin
-from stickslip.basics.quantities import GRAVITY, MASS, Rule, at_least, positive, quantity, remarks_on_gravity
-from stickslip.models.forces import check_law
-from stickslip.models.machines.machine import Machine
+from stickslip.basics.maths import cos, sin
+from stickslip.basics.quantities import GRAVITY, MASS, Rule, at_least, positive, quantity
+from stickslip.models.machines.in_the_plane import InThePlane
 from stickslip.models.machines.parts import Body, Contact
 
 _BELOW_ONE = Rule(lambda e: (e >= 0) & (e < 1), "from 0 to below 1")
@@ -19,7 +18,7 @@ RESTITUTION = quantity("restitution", "1", "e", example=0.3, rule=_BELOW_ONE, ra
 
 
 @dataclass(frozen=True, eq=False)
-class ShakenBox(Machine):
+class ShakenBox(InThePlane):
     r"""A box on the ground with an unbalanced rotor in it, which slides, hops and lands.
 
     .. math:: m\ddot x = U\omega^2\cos\omega t - \sum R_i, \qquad m\ddot z = U\omega^2\sin\omega t - m g + \sum N_i
@@ -75,11 +74,6 @@ class ShakenBox(Machine):
         return ("x", "z") if self.width is None else ("x", "z", "angle")
 
     @property
-    def period(self) -> Any:
-        """That of the rotor [s]."""
-        return 2 * pi / self.omega
-
-    @property
     def velocity_scale(self) -> Any:
         """What gravity, and the rotor, do in a part of the period [m/s]."""
         return (self.gravity + self.unbalance * self.omega * self.omega / self.mass) / self.omega
@@ -93,14 +87,7 @@ class ShakenBox(Machine):
         if (self.width is None) != (self.height is None):
             given = "width" if self.height is None else "height"
             problems.add(f"{given} is given alone; allowed are both, for a block on two feet, or none; type width=0.1, height=0.2")
-        check_law(self.friction, problems)
-        if not problems.mistakes:
-            super()._check(problems)
-
-    @property
-    def notes(self) -> list[str]:
-        """Remarks on these numbers that are not errors."""
-        return remarks_on_gravity(self.gravity)
+        super()._check(problems)
 
     def tilted(self, angle: Any) -> dict[str, Any]:
         """A start at rest in which a block stands on one of its corners: the right one at an angle above zero, leaning forwards [rad].

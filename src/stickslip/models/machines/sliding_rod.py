@@ -7,17 +7,14 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from stickslip.basics.contracts import Numeric
-from stickslip.basics.errors import Problems
-from stickslip.basics.maths import cos, pi, sin, sqrt
-from stickslip.basics.quantities import GRAVITY, MASS, positive, quantity, remarks_on_gravity
-from stickslip.models.forces import check_law
-from stickslip.models.machines.cart_pole import PUSH, PUSHED_AT
-from stickslip.models.machines.machine import Machine
+from stickslip.basics.maths import cos, sin, sqrt
+from stickslip.basics.quantities import GRAVITY, MASS, positive, quantity
+from stickslip.models.machines.in_the_plane import PUSH, PUSHED_AT, InThePlane
 from stickslip.models.machines.parts import Body, Contact
 
 
 @dataclass(frozen=True, eq=False)
-class SlidingRod(Machine):
+class SlidingRod(InThePlane):
     r"""A uniform rod whose foot slides along a rail, with friction: beyond some angles no load follows from its motion.
 
     .. math:: m\ddot x_c = F\sin\omega t - R(\dot x, N), \qquad m\ddot z_c = N - m g, \qquad
@@ -71,11 +68,6 @@ class SlidingRod(Machine):
     coordinates: ClassVar[tuple[str, ...]] = ("x", "angle")
 
     @property
-    def period(self) -> Any:
-        """That of the push [s]."""
-        return 2 * pi / self.omega
-
-    @property
     def velocity_scale(self) -> Any:
         """What its tip has when it falls from upright [m/s]."""
         return sqrt(3 * self.gravity * self.length)
@@ -95,16 +87,6 @@ class SlidingRod(Machine):
             raise ValueError(f"mu = {mu!r}: from 4/3 on sliding is inconsistent at some angles, and below it at none; type mu=1.5")
         root = sqrt(max(9 * mu**2 - 16, 0.0))
         return atan(0.5 * (3 * mu - root)), atan(0.5 * (3 * mu + root))
-
-    def _check(self, problems: Problems) -> None:
-        check_law(self.friction, problems)
-        if not problems.mistakes:
-            super()._check(problems)
-
-    @property
-    def notes(self) -> list[str]:
-        """Remarks on these numbers that are not errors."""
-        return remarks_on_gravity(self.gravity)
 
     def bodies(self) -> Mapping[str, Any]:
         """The rod."""

@@ -7,11 +7,9 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from stickslip.basics.contracts import Numeric
-from stickslip.basics.errors import Problems
-from stickslip.basics.maths import cos, pi, sin
-from stickslip.basics.quantities import GRAVITY, positive, quantity, remarks_on_gravity
-from stickslip.models.forces import check_law
-from stickslip.models.machines.machine import Machine
+from stickslip.basics.maths import cos, sin
+from stickslip.basics.quantities import GRAVITY, positive, quantity
+from stickslip.models.machines.in_the_plane import InThePlane
 from stickslip.models.machines.parts import Body, Contact
 
 
@@ -32,7 +30,7 @@ def _torque(joint: str, symbol: str, example: float) -> dict[str, Any]:
 
 
 @dataclass(frozen=True, eq=False)
-class TwoLinkArm(Machine):
+class TwoLinkArm(InThePlane):
     r"""An arm of two links that turn in a vertical plane, with friction in both joints and torques that swing.
 
     .. math:: M(q)\ddot q + C(q, \dot q)\dot q + g(q) = \tau\sin\omega t - R(\dot q)
@@ -89,22 +87,7 @@ class TwoLinkArm(Machine):
 
     kind: ClassVar[str] = "two_link_arm"  # its name in a study file
     coordinates: ClassVar[tuple[str, ...]] = ("shoulder", "elbow")
-
-    @property
-    def period(self) -> Any:
-        """That of the torques [s]."""
-        return 2 * pi / self.omega
-
-    def _check(self, problems: Problems) -> None:
-        for law in (self.shoulder, self.elbow):
-            check_law(law, problems)
-        if not problems.mistakes:
-            super()._check(problems)
-
-    @property
-    def notes(self) -> list[str]:
-        """Remarks on these numbers that are not errors."""
-        return remarks_on_gravity(self.gravity)
+    _laws: ClassVar[tuple[str, ...]] = ("shoulder", "elbow")
 
     def bodies(self) -> Mapping[str, Any]:
         """The two links."""
