@@ -21,7 +21,7 @@ from stickslip.engine.system import System
 from stickslip.engine.tableaux import Control
 from stickslip.engine.unforeseen import active
 from stickslip.engine.values import Arithmetic, needed_by, values_of
-from stickslip.engine.write import LOG_OF_BITS, Writer, horner, literal, write_length
+from stickslip.engine.write import LOG_OF_BITS, Writer, horner, literal, write_length, write_secants
 
 
 @dataclass(frozen=True)
@@ -409,22 +409,7 @@ class _SeriesWriter(RosenbrockWriter):
             w.line("_span", f"fma({literal(CALM)} * rtol, _gs - _ge, -_least{k}) if _which == {k}.0 else _span")
         for name, value in (("_xa", "_lo"), ("_ga", "_gs"), ("_xb", "_hi"), ("_gb", "_ge"), ("_pv", "_gs")):
             w.line(name, f"1.0 * {value}")
-        w.begin(f"for q in while_any(_seek, {SECANTS})")
-        w.line("_pv", self._chosen(self._guards_at("_th"), self.others))
-        w.line("_up", "_pv > 0.0")
-        w.line("_lo", "_th if (_up and _seek) else _lo")
-        w.line("_hi", "_hi if (_up or not _seek) else _th")
-        w.line("_nearer", "_seek and abs(_ga) < abs(_gb)")  # the nearer of the two points before and the new one: a secant
-        w.line("_xb", "_xa if _nearer else _xb")
-        w.line("_gb", "_ga if _nearer else _gb")
-        w.line("_xa", "_th if _seek else _xa")
-        w.line("_ga", "_pv if _seek else _ga")
-        w.line("_gap", "_gb - _ga")
-        w.line("_seek", "_seek and abs(_pv) > _span")
-        w.line("_tn", "_th - _pv * (_xb - _xa) / (_gap if _gap != 0.0 else 1.0)")
-        w.line("_tn", "_tn if (_tn >= _lo and _tn <= _hi) else 0.5 * (_lo + _hi)")
-        w.line("_th", "_tn if _seek else _th")
-        w.end()
+        write_secants(w, SECANTS, lambda: self._chosen(self._guards_at("_th"), self.others), "_pv", "_span", ends="=")
         w.line("_conv", "(not _seek and not _pre) if _some else _conv")
         values = self._guards_at("_th")
         for number, k in enumerate(self.others):

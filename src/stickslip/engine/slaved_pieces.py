@@ -18,7 +18,7 @@ from stickslip.engine.slaving import Slaving, slaving
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import System
 from stickslip.engine.values import needed_by
-from stickslip.engine.write import literal
+from stickslip.engine.write import literal, write_secants
 
 LOOSE = 1.0  # of what is tolerated: how far beyond its zero a condition may be
 NEAR = 0.1  # of z: excess from which on it is not slaved
@@ -239,20 +239,5 @@ class _PiecesWriter(StepWriter):
         w.line("_ga", f"{end} if _late else {middle}")
         w.line("_th", "_th * _h")
         w.line("_th", "_th if (_th > _lo and _th < _hi) else 0.5 * (_lo + _hi)")
-        w.begin(f"for q in while_any(_seek, {ROUNDS})")
-        w.line("_pd", self._least(self._guards("_th")))
-        w.line("_up", "_pd > 0.0")
-        w.line("_lo", "_th if (_up and _seek) else _lo")
-        w.line("_hi", "_hi if (_up or not _seek) else _th")
-        w.line("_nearer", "_seek and abs(_ga) < abs(_gb)")  # the nearer of the two points before and the new one: a secant
-        w.line("_xb", "_xa if _nearer else _xb")
-        w.line("_gb", "_ga if _nearer else _gb")
-        w.line("_xa", "_th if _seek else _xa")
-        w.line("_ga", "_pd if _seek else _ga")
-        w.line("_gap", "_gb - _ga")
-        w.line("_seek", "_seek and abs(_pd) > 0.5")
-        w.line("_tn", "_th - _pd * (_xb - _xa) / (_gap if _gap != 0.0 else 1.0)")
-        w.line("_tn", "_tn if (_tn > _lo and _tn < _hi) else 0.5 * (_lo + _hi)")
-        w.line("_th", "_tn if _seek else _th")
-        w.end()
+        write_secants(w, ROUNDS, lambda: self._least(self._guards("_th")), "_pd", "0.5")
         w.line("_h", "_th if _met else _h")

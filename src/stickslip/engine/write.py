@@ -8,7 +8,7 @@ lanes round alike. Functions are branch-free polynomials (no vector library is n
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from stickslip.basics.maths import LARGEST
@@ -46,6 +46,30 @@ _SIN += (1.6059043836821613e-10, -7.6471637318198164e-13, 2.8114572543455206e-15
 
 _ATAN = tuple((-1) ** i / (2 * i + 1) for i in range(22))  # atan r = r (1 + r^2 (…)); the first term left out is 1e-18 at r = tan(pi/8)
 _DEEP = {"atan": 30, "sinh": 20, "cosh": 18, "tanh": 18, "bell": 18, "asinh": 35}
+
+
+def write_secants(w: Writer, rounds: int, value: Callable[[], str], name: str, span: str, ends: str = "") -> None:
+    """The zero of a value at _th, by secants in a bracket from _lo, where it is positive, to _hi, in all lanes that _seek.
+
+    It stands in `name` and is near enough within `span`; the last two points are _xa and _xb, with the values _ga and _gb. With `ends`
+    of "=" a secant may lead to an end of the bracket.
+    """
+    w.begin(f"for q in while_any(_seek, {rounds})")
+    w.line(name, value())
+    w.line("_up", f"{name} > 0.0")
+    w.line("_lo", "_th if (_up and _seek) else _lo")
+    w.line("_hi", "_hi if (_up or not _seek) else _th")
+    w.line("_nearer", "_seek and abs(_ga) < abs(_gb)")  # the nearer of the two points before and the new one: a secant
+    w.line("_xb", "_xa if _nearer else _xb")
+    w.line("_gb", "_ga if _nearer else _gb")
+    w.line("_xa", "_th if _seek else _xa")
+    w.line("_ga", f"{name} if _seek else _ga")
+    w.line("_gap", "_gb - _ga")
+    w.line("_seek", f"_seek and abs({name}) > {span}")
+    w.line("_tn", f"_th - {name} * (_xb - _xa) / (_gap if _gap != 0.0 else 1.0)")
+    w.line("_tn", f"_tn if (_tn >{ends} _lo and _tn <{ends} _hi) else 0.5 * (_lo + _hi)")
+    w.line("_th", "_tn if _seek else _th")
+    w.end()
 
 
 def write_length(w: Writer, rows: Sequence[tuple[str, str]], order: int, bits: str, h: str) -> None:
