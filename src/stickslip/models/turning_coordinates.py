@@ -11,7 +11,6 @@ from stickslip.basics.maths import pi
 from stickslip.models.machine_adapter import MachineAdapter
 
 TURN = 2.0 * pi
-_DRAWS = 6  # states that are compared with those a turn further
 _FAR = 4.0 * np.pi  # how large their coordinates are
 _FARTHER = (1.0, 1.0, 1.0, 1.0, 10.0, 100.0)  # times as far, as something may begin there
 _SAME = 1e-9  # relative: accelerations and loads that are closer are equal
