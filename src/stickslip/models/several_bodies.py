@@ -114,7 +114,17 @@ class SeveralBodies(Mechanics):
     def rows(self, t: Numeric, q: Numbers) -> tuple[tuple[Any, ...], ...]:
         """The same with the numbers that contacts say."""
         n = len(self.groups)
-        return tuple(tuple(dict(self._row_of(c)).get(k, 0.0) for k in range(n)) for c in self.joints.values())
+        return tuple(tuple(dict(row).get(k, 0.0) for k in range(n)) for _, row in self._rows)
+
+    @cached_property
+    def _rows(self) -> tuple[tuple[Any, list[tuple[int, Any]]], ...]:
+        """Each contact with what its slip takes of coordinates, where that is not zero."""
+        return tuple((contact, self._row_of(contact)) for contact in self.joints.values())
+
+    @cached_property
+    def _ends(self) -> list[list[tuple[int, float]]]:
+        """What the distance of the ends of each elastic link takes of coordinates, where that is not zero."""
+        return [self._entries(*ends) for ends, _ in self.elastic]
 
     def _row_of(self, contact: Any) -> list[tuple[int, Any]]:
         """What a contact's slip takes of coordinates, where it is not zero: the number of each and its coefficient, in their order."""
@@ -237,12 +247,12 @@ class SeveralBodies(Mechanics):
         applied = [(name, force) for name, _, force in parts_of_forces(self.model.forces(t, dict(x), dict(v)).items())]
         for name, force in (*applied, *controlled):
             total[self.coordinate[name]] = total[self.coordinate[name]] + force
-        for (ends, _), pull in zip(self.elastic, self.pulls, strict=True):
+        for (ends, _), pull, entries in zip(self.elastic, self.pulls, self._ends, strict=True):
             tension = pull(t, _distance(ends, x), _distance(ends, v))
-            for c, g in self._entries(*ends):
+            for c, g in entries:
                 total[c] = signed_less(total[c], g, tension)
-        for contact, force in zip(self.joints.values(), R, strict=True):
-            for c, g in self._row_of(contact):
+        for (_, row), force in zip(self._rows, R, strict=True):
+            for c, g in row:
                 total[c] = signed_less(total[c], g, force)
         return tuple(force / mass for force, mass in zip(total, self.masses, strict=True))
 
@@ -278,21 +288,35 @@ class SeveralBodies(Mechanics):
 
     def offsets(self, t: Numeric) -> tuple[Any, ...]:
         """The contribution of prescribed distances, belts and motions to the slip [m/s]."""
-        velocities = dict(zip(self.bodies, self._arms("velocity", t), strict=True))
-        return tuple(_offset(velocities, c) - prescribed_velocity(c.on, t) for c in self.joints.values())
+        offsets = self._offsets("velocity", t)
+        return tuple(offset - prescribed_velocity(c.on, t) for offset, c in zip(offsets, self.joints.values(), strict=True))
+
+    def _offsets(self, what: str, t: Numeric) -> tuple[Any, ...]:
+        """The contribution of prescribed distances to each slip, or to its rate."""
+        return self._offsets_of(self._arms(what, t)) if self.prescribed else self._no_offsets
+
+    def _offsets_of(self, arms: tuple[Any, ...]) -> tuple[Any, ...]:
+        named = dict(zip(self.bodies, arms, strict=True))
+        return tuple(_offset(named, c) for c in self.joints.values())
+
+    @cached_property
+    def _no_offsets(self) -> tuple[Any, ...]:
+        return self._offsets_of((0.0,) * len(self.bodies))
 
     def slips(self, t: Numeric, u: Numbers, q: Numbers = ()) -> tuple[Any, ...]:
         """Slip velocity of each contact [m/s]."""
         slips = []
-        for contact, offset in zip(self.joints.values(), self.offsets(t), strict=True):
+        for (_, row), offset in zip(self._rows, self.offsets(t), strict=True):
             total: Any = 0.0
-            for c, g in self._row_of(contact):
+            for c, g in row:
                 total = signed_less(total, -g, u[c])
             slips.append(total + offset)
         return tuple(slips)
 
     def positions(self, t: Numeric, q: Numbers) -> tuple[Any, ...]:
         """Position of each body [m]."""
+        if not self.prescribed:
+            return tuple(q[self.coordinate[name]] for name in self.bodies)
         start, own = self.start, self.parts
         arms = self._arms("position", t)
         single = [len(self.groups[self.coordinate[name]]) == 1 for name in self.bodies]
@@ -341,8 +365,8 @@ class SeveralBodies(Mechanics):
 
     def offset_rates(self, t: Numeric) -> tuple[Any, ...]:
         """Rates of the contacts' offsets [m/s^2]."""
-        accelerations = dict(zip(self.bodies, self._arms("acceleration", t), strict=True))
-        return tuple(_offset(accelerations, c) - prescribed_acceleration(c.on, t) for c in self.joints.values())
+        offsets = self._offsets("acceleration", t)
+        return tuple(offset - prescribed_acceleration(c.on, t) for offset, c in zip(offsets, self.joints.values(), strict=True))
 
     @cached_property
     def separate(self) -> tuple[Any, ...] | None:
