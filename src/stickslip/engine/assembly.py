@@ -55,4 +55,9 @@ class Assembly:
     def position(self, number: int) -> Sym:
         """A position by its number among the states."""
         zero = self.m.graph.constant(0.0)
-        return [position for position in self.m.places if position is not zero][number - len(self.m.y) - len(self.inner)]
+        return [position for position in self.m.places if position is not zero][number - self.first_position]
+
+    @property
+    def first_position(self) -> int:
+        """The number of the first position among the states: behind velocities, inner states of laws and states of controllers."""
+        return len(self.m.y) + len(self.inner) + len(self.m.held)

@@ -261,4 +261,4 @@ def shut_at(parts: Assembly, p: Pressed) -> tuple[int, Sym]:
     positions = [c for c, position in enumerate(m.places) if position is not zero]
     c = p.follower if p.follower in positions else next(c for c in positions if p.row[c])
     more = (_kept(m) - m.lift(p.stop.gap(m.t, m.places))) / p.row[c]
-    return len(m.y) + len(parts.inner) + positions.index(c), m.places[c] + more
+    return parts.first_position + positions.index(c), m.places[c] + more

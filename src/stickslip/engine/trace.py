@@ -15,6 +15,7 @@ from stickslip.basics.maths import maximum, pi
 from stickslip.basics.status import Status
 from stickslip.engine.as_written import check_as_written
 from stickslip.engine.contact_equations import Assembly, add_contacts, add_stop, borders_of_loads, loads_that_end
+from stickslip.engine.graphs import Substituted
 from stickslip.engine.law_checks import explained
 from stickslip.engine.observed import Observed, with_signals
 from stickslip.engine.refused import refused
@@ -22,7 +23,7 @@ from stickslip.engine.sums import terms_of
 from stickslip.engine.symbolic import SPAN, Symbolic, numbers_of
 from stickslip.engine.symbols import STATE, Graph, Sym, TraceError
 from stickslip.engine.system import System, TracedSwitch
-from stickslip.engine.values import values_of
+from stickslip.engine.values import held_by, needed_by, values_of
 from stickslip.models.machine_adapter import machine_of
 
 _ENDLESS = 1e300  # m: the scale of a position on which nothing depends
@@ -143,7 +144,7 @@ def _of_what_matters(eq: System) -> tuple[Sym | None, ...]:
 
 
 def _lengths(eq: System, m: Symbolic) -> tuple[Sym | None, ...]:
-    """After which length each state comes again in all equations, at any numbers: a turn of an angle, a wave of the track; or None."""
+    """After which length each state comes again in all equations: a turn of an angle, a wave of the track; or None."""
     graph, wave = eq.graph, m.machine.wavelength
     circles = [node for node in graph.nodes if node.op in ("sin", "cos")]
     lengths: list[Sym | None] = [None] * eq.states
@@ -152,22 +153,59 @@ def _lengths(eq: System, m: Symbolic) -> tuple[Sym | None, ...]:
             lengths[i] = m.lift(wave)
         elif any(eq.y[i].name in graph.varies(node) for node in circles):
             lengths[i] = graph.constant(2 * pi)
-    return tuple(length if length is not None and _comes_again(eq, i, length) else None for i, length in enumerate(lengths))
+    return tuple(None if length is None else _coming_again(eq, i, length) for i, length in enumerate(lengths))
 
 
-def _comes_again(eq: System, i: int, length: Sym) -> bool:
-    """Whether the equations are the same where a position is so much larger."""
+def _coming_again(eq: System, i: int, length: Sym) -> Sym | None:
+    """The length, if the equations are the same where a position is so much larger; None if they are not.
+
+    Where it takes some of the numbers to be zero, as the stiffness of a spring, the case decides: it is then zero in a case that differs.
+    """
+    graph, position, places = eq.graph, eq.y[i].name, _places(eq)
     nodes = [*eq.f[: eq.positions.start], *eq.guards, *eq.sampled.values(), *eq.heights]
-    draw, position = np.random.default_rng(20261130), eq.y[i].name
+    numbers = dict(zip((*eq.names, SPAN), np.random.default_rng(20261130).uniform(0.5, 1.5, 1 + len(eq.names)), strict=True))
+
+    @np.errstate(all="ignore")  # a number that is zero may be one to divide by
+    def other(nodes: list[Sym], numbers: dict[str, Any]) -> list[Sym]:
+        step, varied = values_of(graph, numbers, [length])[length.number], set[int]()
+        for at in places:
+            here, there = (values_of(graph, numbers | at | {position: at[position] + far}, nodes) for far in (0.0, step))
+            varied |= {n.number for n in nodes if not abs(here[n.number] - there[n.number]) <= _AS_NEAR * (1.0 + abs(here[n.number]))}
+        return [node for node in nodes if node.number in varied]
+
+    differ = other(nodes, numbers)
+    alike = [name for name in eq.names if differ and len(other(differ, numbers | {name: np.float64(0.0)})) < len(differ)]
+    if not differ:
+        return length
+    if not alike or other(differ, numbers | dict.fromkeys(alike, np.float64(0.0))):
+        return None
+    excess = graph.constant(0.0)
+    for at in places[1::4]:  # near, and far away
+        here, there = (_at(eq, differ, {**at, position: at[position] + far}) for far in (0.0, length))
+        for a, b in zip(here, there, strict=True):
+            excess = maximum(excess, abs(a - b) - _AS_NEAR * (1.0 + abs(a)))
+    return graph.select(excess, graph.constant(0.0), length)
+
+
+def _places(eq: System) -> list[dict[str, float]]:
+    """Instants, states and modes at which equations are held against those a length further, positions ever farther away."""
+    draw, places = np.random.default_rng(20261130), []
     for far in _AS_FAR:
-        known = {name: draw.uniform(0.5, 1.5) for name in (*eq.names, SPAN, *(s.name for s in (*eq.y, eq.t)))}
-        known |= {eq.y[j].name: far * draw.uniform(-1.0, 1.0) for j in eq.positions}
-        known |= {mode.name: float(draw.integers(-1, 2)) for mode in eq.modes}
-        further = known | {position: known[position] + float(values_of(eq.graph, known, [length])[length.number])}
-        here, there = (values_of(eq.graph, at, nodes) for at in (known, further))
-        if not all(abs(here[n.number] - there[n.number]) <= _AS_NEAR * (1.0 + abs(here[n.number])) for n in nodes):
-            return False
-    return True
+        at = {s.name: draw.uniform(0.5, 1.5) for s in (*eq.y, eq.t)}
+        at |= {eq.y[j].name: far * draw.uniform(-1.0, 1.0) for j in eq.positions}
+        places.append(at | {mode.name: float(draw.integers(-1, 2)) for mode in eq.modes})
+    return places
+
+
+def _at(eq: System, nodes: list[Sym], where: dict[str, Any]) -> list[Sym]:
+    """Expressions of the numbers of a case: what nodes are at an instant in a state."""
+    graph = eq.graph
+    leaves = {name: value if isinstance(value, Sym) else graph.constant(value) for name, value in where.items()}
+    for flag in (node for node in needed_by(nodes) if node.op == "flag" and node.name not in leaves):
+        (held,) = held_by(flag)
+        leaves[flag.name] = graph.select(Substituted(graph, leaves).of(held), graph.constant(1.0), graph.constant(-1.0))
+    substituted = Substituted(graph, leaves)
+    return [substituted.of(node) for node in nodes]
 
 
 def _apart(m: Symbolic, parts: Assembly) -> tuple[Sym, Sym] | None:

@@ -39,11 +39,11 @@ def needed_by(roots: Iterable[Sym]) -> list[Sym]:
             needed[node.number] = node
         elif node.number not in needed:
             waiting.append((node, True))
-            waiting += [(a, False) for a in (*node.args, *(_held(node) if node.op == "flag" else ()))]
+            waiting += [(a, False) for a in (*node.args, *(held_by(node) if node.op == "flag" else ()))]
     return list(needed.values())
 
 
-def _held(flag: Sym) -> list[Sym]:
+def held_by(flag: Sym) -> list[Sym]:
     """The condition whose sign a flag holds: one on time alone, or a guard; None for a mode."""
     graph, name = flag.graph, flag.name
     if name.startswith("clk"):
@@ -78,7 +78,7 @@ class Arithmetic:
             case "case" | "variable":
                 return self.named(node.name)
             case "flag":
-                held = _held(node)
+                held = held_by(node)
                 return np.where(values[held[0].number] > 0, 1.0, -1.0) if held else self.named(node.name)
             case "add":
                 return a[0] + a[1]

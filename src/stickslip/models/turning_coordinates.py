@@ -39,10 +39,11 @@ def lengths_of(machine: MachineAdapter, among: Collection[int] | None = None) ->
 def turning(machine: MachineAdapter, among: Collection[int]) -> tuple[int, ...]:
     """The numbers of the coordinates, of some, that a whole turn leaves alone in all equations, and on a line a part of a turn does not.
 
-    What a class calls an angle need not be one of them: a torsion spring, a stop or a controller tells one turn from the next.
+    What a class calls an angle need not be one of them: a torsion spring, a stop that it meets, or a controller that holds it or counts its
+    turns tells one turn from the next.
     """
     m = machine.mechanics
-    if m.controllers.counts or m.stops or m.coordinates != len(m.bodies):
+    if m.coordinates != len(m.bodies):
         return ()
     mays = (j for j in among if (m.bodies[j] in m.angles or not m.joined) and not _held_in_place(m, m.bodies[j]))
     return tuple(j for j in mays if (m.joined or not _comes_again(machine, j, 0.37 * TURN)) and _comes_again(machine, j, TURN))
@@ -56,12 +57,13 @@ def _held_in_place(m: Any, name: str) -> bool:
 
 
 def _comes_again(machine: MachineAdapter, j: int, length: float) -> bool:
-    """Whether accelerations, loads, slips and heights are the same by a length further."""
+    """Whether accelerations, loads, slips, heights, gaps and what controllers do are the same by a length further."""
     m, draw, T = machine.mechanics, np.random.default_rng(0), _time_of(machine)
     for farther in _FARTHER:
         q, u = (farther * draw.uniform(-_FAR, _FAR, len(m.bodies))).tolist(), draw.uniform(-1.0, 1.0, len(m.bodies)).tolist()
         t, R = draw.uniform(0.0, T), tuple(draw.uniform(-1.0, 1.0, len(m.contacts)).tolist())
-        here, further = (_numbers(m, t, tuple(at), tuple(u), R) for at in (q, [x + length * (i == j) for i, x in enumerate(q)]))
+        z = tuple(draw.uniform(-1.0, 1.0, m.controllers.count).tolist())
+        here, further = (_numbers(m, t, tuple(at), tuple(u), R, z) for at in (q, [x + length * (i == j) for i, x in enumerate(q)]))
         if any(np.any(np.abs(a - b) > _SAME * (1.0 + np.abs(a))) for a, b in zip(here, further, strict=True)):
             return False
     return True
@@ -72,11 +74,13 @@ def _time_of(machine: MachineAdapter) -> float:
     return 1.0 if machine.time_scale is None else float(np.max(np.asarray(machine.time_scale, float)))
 
 
-def _numbers(m: Any, t: float, q: tuple[float, ...], u: tuple[float, ...], R: tuple[float, ...]) -> list[Any]:
-    """What the equations make of a state."""
+def _numbers(m: Any, t: float, q: tuple[float, ...], u: tuple[float, ...], R: tuple[float, ...], z: tuple[float, ...]) -> list[Any]:
+    """What the equations make of a state, z those of the controllers."""
     heights = [number for pair in m.heights(t, q, u).values() for number in pair]
-    given = (*m.accelerations(t, q, u, R), *m.loads(t, q, u), *m.slips(t, u, q), *heights)
-    return [np.asarray(number, float) for number in given]
+    gaps = [stop.gap(t, q) for stop in m.stops]
+    given = (*m.accelerations(t, q, u, R, z), *m.loads(t, q, u, z), *m.slips(t, u, q), *heights, *gaps)
+    held = (*m.control_rates(t, q, u, z), *m.control_sampled(t, q, u, z)) if z else ()
+    return [np.asarray(number, float) for number in (*given, *held)]
 
 
 def wave_of(machine: MachineAdapter) -> float | None:

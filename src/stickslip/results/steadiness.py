@@ -236,7 +236,8 @@ def _strobe_of(model: Model, x: Array, v: Array, z: Array) -> tuple[Any, Any, An
         apart: Any = x[:, [*turned, *(j for j in _that_matter(mechanics, x) if j not in again)]]
     else:
         rest = [j for j in range(x.shape[1]) if j not in again]
-        apart = np.column_stack([x[:, turned], x[:, rest[1:]] - x[:, rest[:1]], *([way] if _place_matters(mechanics, x, rest) else [])])
+        whole = [x[:, rest[:1]] if turned else way] if _place_matters(mechanics, x, rest) else []
+        apart = np.column_stack([x[:, turned], x[:, rest[1:]] - x[:, rest[:1]], *whole])
     inner = z.reshape(len(x), -1)
     there = ~np.isnan(inner[0])
     sizes = [_sizes(law, load, z.shape[2]) for law, load in zip(mechanics.laws, mechanics.loads(0.0, mechanics.start), strict=True)]

@@ -173,19 +173,70 @@ class Rotor(ss.Machine):
         return 0.0
 
 
+@dataclass(frozen=True, eq=False)
 class Wound(Rotor):
     """A spring on its axle tells one turn from the next, though it is so weak that it gives way for hundreds of turns."""
 
+    stiffness: float = 1e-6
+
     def spring(self, x):
-        return 1e-6 * x
+        return self.stiffness * x
+
+
+class Regulator:
+    """It holds a velocity, and what it has integrated fades."""
+
+    states, scales, sample = ("sum",), (1.0,), None
+
+    def start(self, t, x, v):
+        return (0.0,)
+
+    def rates(self, t, x, v, z):
+        return (2.0 - v["rotor"] - z[0],)
+
+    def sampled(self, t, x, v, z):
+        return z
+
+    def forces(self, t, x, v, z):
+        return {"rotor": 0.5 * (2.0 - v["rotor"] + z[0])}
+
+
+class OfPlace(Regulator):
+    def forces(self, t, x, v, z):
+        return {"rotor": 1e-6 * (2.0 - x["rotor"] + z[0])}
+
+
+class Regulated(Rotor):
+    """Beside it a pin on a spring that hits a stop."""
+
+    regulator = Regulator
+
+    def bodies(self):
+        pin = ss.Body(0.1, force=lambda t, x, v: 0.05 * sin(self.omega * t) - 0.1 * v - 0.3 * x)
+        return {**super().bodies(), "pin": pin}
+
+    def controllers(self):
+        return {"regulator": self.regulator()}
+
+    def stops(self):
+        return {("pin", None): ss.Stop(gap=0.02, restitution=0.5)}
+
+
+class Positioned(Regulated):
+    regulator = OfPlace
 
 
 def test_what_turns_on_settles_and_whole_turns_apart_is_one_attractor():
     """A turn in each period is a motion of period one to runs, the judge and batches; where a spring winds up, nothing repeats yet."""
     run = ss.solve(Rotor(2.0), periods=100)
     assert (run.steadiness.word, run.steadiness.period) == ("steady", 1) and ss.mean_velocity(run) == pytest.approx(2.0, rel=1e-6)
-    periods = [ss.solve(machine, periods=40, method="dop853").steadiness.period for machine in (Rotor(2.0), Wound(2.0))]
-    assert periods == [1, 0]
+    assert ss.solve(Rotor(2.0), periods=40, method="dop853").steadiness.period == 1
+    wound = ss.solve(Wound(2.0, stiffness=[1e-6, 0.0]), periods=200, settle="auto", keep="summary")  # whether it winds up is a number
+    assert wound.period.tolist() == [0, 1] and wound.mean_velocity[1] == pytest.approx(2.0, rel=1e-6)
+    regulated, judged = (ss.solve(Regulated(2.0), **how) for how in ({"periods": 60}, {"periods": 1, "method": "dop853"}))
+    assert regulated.steadiness.period == 1 and ss.mean_velocity(regulated, body="rotor") == pytest.approx(2.0, rel=1e-6)
+    assert {event.kind for event in judged.events} >= {"hit"}
+    assert regulated.strobe_x[1] == pytest.approx(judged.strobe_x[1], abs=1e-7)  # a hit leaves what the controller holds alone
     many = ss.solve(Rotor([0.5, 2.0, 4.0]), periods=400, settle="auto", keep="summary")
     assert many.mean_velocity == pytest.approx([0.0, 2.0, 2.0], abs=1e-6)
     assert many.period.tolist() == [1, 1, 1] and many.columns["periods_run"].max() < 100 and (many.steadiness == 0).all()
@@ -195,6 +246,7 @@ def test_what_turns_on_settles_and_whole_turns_apart_is_one_attractor():
     (locked,) = ss.basins(Spun(0.05, 1.0), **{"v.angle": [8.0]}, settle=60).attractors
     assert locked.kind == "periodic" and locked.mean_velocity == pytest.approx(3.0, rel=1e-9)  # a turn in each period
     assert [turning(machine_of(kind()), (0, 1)) for kind in (Pole, Sprung, Hung)] == [(1,), (), (1,)]
+    assert [turning(machine_of(kind(2.0)), (0, 1)) for kind in (Regulated, Positioned)] == [(0,), ()]
 
 
 def test_units_of_columns_follow():
