@@ -96,7 +96,7 @@ def quiet() -> Iterator[None]:
 
 
 def our_henon() -> Callable[[], Array]:
-    """Plain Python, with derivatives by automatic differentiation."""
+    """A plain function, compiled with its derivatives."""
     henon = lambda x: (1 - 1.4 * x[0] * x[0] + x[1], 0.3 * x[0])  # noqa: E731
     return lambda: ss.dynamics.lyapunov_of_map(henon, [0.1, 0.1], iterations=ITERATIONS).spectrum
 

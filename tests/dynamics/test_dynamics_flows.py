@@ -10,6 +10,7 @@ import pytest
 import stickslip as ss
 from rows import each_row
 from stickslip.basics.forward_ad import variables
+from stickslip.dynamics.stroboscopic.strobe_maps import flow_map
 from stickslip.maths import cos, exp, sin, sqrt, tanh, where
 
 # exponents of maps and smooth flows --------------------------------------------------------------------------------
@@ -25,13 +26,37 @@ def test_henon_has_its_published_exponents():
     assert found.error < 0.01
     assert abs(found.largest - 0.41922) < 3 * found.error
     assert found.spectrum.sum() == pytest.approx(math.log(0.3), abs=1e-12), "the area shrinks by 0.3 everywhere"
-    assert found.chaotic and 1.2 < found.dimension < 1.3
+    assert found.chaotic and 1.2 < found.dimension < 1.3 and found.method == "compiled"
+    flow = ss.lyapunov(ss.SwitchingFlow.of_map(lambda y, n: henon(y), {"k": 1.0}, ("x", "y")), periods=400, settle=0)
+    assert flow.spectrum.sum() == pytest.approx(math.log(0.3), abs=1e-12), "its clock jumped twice in some periods, with a sum of -3"
 
 
-def test_a_given_jacobian_changes_nothing():
-    own = ss.dynamics.lyapunov_of_map(henon, [0.1, 0.1], iterations=500)
-    given = ss.dynamics.lyapunov_of_map(henon, [0.1, 0.1], iterations=500, jacobian=lambda x: [[-2.8 * x[0], 1.0], [0.3, 0.0]])
+def tent(x):
+    return (1.9 * x[0],) if x[0] < 0.5 else (1.9 * (1.0 - x[0]),)
+
+
+def standard(x):
+    return x[0] + 0.9 * sin(x[1]), x[1] + x[0] + 0.9 * sin(x[1])
+
+
+def test_compiled_maps_are_those_of_plain_python_to_rounding():
+    """Orbits while rounding has not grown, choices by `if` too; exponents of what no symbol can pass by plain Python, which says so."""
+    for f, x, grows in ((henon, [0.1, 0.1], 1.6), (tent, [0.3], 1.9), (standard, [0.3, 0.5], 2.0)):
+        flow, plain = ss.SwitchingFlow.of_map(f, states=("x", "y")[: len(x)]), np.array(x)
+        for k in range(1, 13):
+            plain = np.array(f(plain))
+            state = flow_map(flow, [[*x, 0.0]], float(k)).state[0]
+            np.testing.assert_allclose(state[:-1], plain, rtol=0.0, atol=4e-16 * grows**k)
+    assert ss.dynamics.lyapunov_of_map(tent, [0.3], iterations=50).largest == pytest.approx(math.log(1.9), abs=1e-14)
+    found = ss.dynamics.lyapunov_of_map(lambda x: (tent(x)[0] if isinstance(x[0], float) else 1.9 * x[0],), [0.3], iterations=50)
+    assert found.largest == pytest.approx(math.log(1.9), abs=1e-14) and found.method.startswith("plain Python: ")
+    short = dict(iterations=15, settle=0)  # rounding grows by 1.5 in each
+    own = ss.dynamics.lyapunov_of_map(henon, [0.1, 0.1], **short)
+    given = ss.dynamics.lyapunov_of_map(henon, [0.1, 0.1], jacobian=lambda x: [[-2.8 * x[0], 1.0], [0.3, 0.0]], **short)
     np.testing.assert_allclose(own.spectrum, given.spectrum, rtol=1e-12)
+    assert own.method == "compiled" and "is given" in given.method
+    lost = ss.dynamics.lyapunov_of_map(lambda x: (0.5 * x[0] + x[1], 0.0), [1.0, 0.0], iterations=20)
+    assert lost.spectrum.tolist() == [pytest.approx(math.log(0.5), abs=1e-2), -math.inf]
 
 
 def test_logistic_map_at_four_has_ln_2():
@@ -47,11 +72,16 @@ def test_a_rotation_has_exponent_zero():
 
 
 def test_linear_flow_has_the_real_parts_of_its_eigenvalues():
+    """Compiled, and by SciPy, which follows a function that no symbol can pass."""
     A = np.array([[-0.5, 2.0, 0.0], [-2.0, -0.5, 0.3], [0.0, 0.0, 0.1]])
     found = ss.dynamics.lyapunov_of_flow(
         lambda x: [sum(a * v for a, v in zip(row, x, strict=True)) for row in A], [1e-6, 0, 1e-6], duration=300.0
     )
     np.testing.assert_allclose(found.spectrum, [0.1, -0.5, -0.5], atol=0.01)  # rotation within a plane averages out as 1/time
+    plain = ss.dynamics.lyapunov_of_flow(lambda x: A @ x, [1e-6, 0, 1e-6], jacobian=lambda x: A, duration=30.0, settle=5.0)
+    same = ss.dynamics.lyapunov_of_flow(lambda x: list(A @ x), [1e-6, 0, 1e-6], duration=30.0, settle=5.0)
+    np.testing.assert_allclose(plain.spectrum, same.spectrum, atol=1e-7)
+    assert found.method == same.method == "compiled" and plain.method == "SciPy's DOP853 on plain Python: its Jacobian matrix is given"
 
 
 @pytest.mark.slow

@@ -127,6 +127,7 @@ class Results:
     ended: Any  # how far into its period a case ended before its time [s], NaN of others; None where none did
     parts: Parts | None = None  # of a machine that lists its bodies
     pieces: Any = None  # (pieces, 4 + contacts + modes + states (degree + 1)) of a recorded case
+    strobes: Any = None  # (KEPT, 1 + states + …) of the last case of a kernel of one lane, where asked for: period n stands at n % KEPT
 
 
 _kernels: Remembered[Kernel] = Remembered(most=cache.KEPT)
@@ -450,6 +451,7 @@ def run(
     keep_pieces: bool = False,
     slice_calls: int = 0,
     partial: bool = False,
+    keep_strobes: bool = False,
 ) -> Results:
     """Run all cases of a table, returning to Python after every slice, where an interruption ends it (see `stickslip.basics.interruption`).
 
@@ -478,7 +480,8 @@ def run(
         if progress is not None:
             progress(job.periods if keep_pieces else len(params))
     written.append(_taken(shared))
-    return _results(k, shared, written if keep_pieces else None)
+    results = _results(k, shared, written if keep_pieces else None)
+    return replace(results, strobes=shared["RING"][0]) if keep_strobes else results
 
 
 def joined(first: Results, second: Results, of_first: Any) -> Results:

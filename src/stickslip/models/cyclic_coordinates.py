@@ -58,9 +58,9 @@ class CyclicCoordinates:
         return self.wrapped(np.asarray(a, float) - np.asarray(b, float))
 
     def without(self, M: Array) -> Array:
-        """The derivative of states by states (state, state) without the shifts that are no other motion."""
-        kept = np.delete(np.arange(len(M)), self.free)
-        return M[np.ix_(kept, kept)]
+        """Derivatives of states by states (..., state, state) without the shifts that are no other motion."""
+        kept = np.delete(np.arange(M.shape[-1]), self.free)
+        return M[..., kept[:, None], kept]
 
     def embedded(self, points: Array, scales: Array) -> tuple[Array, Array]:
         """States (..., state) and their scales in numbers that do not jump where an angle begins anew: a point on a circle.

@@ -132,6 +132,7 @@ class SwitchingFlow:
     scales: Sequence[Any] | None
     contacts: Mapping[str, FlowContact]
     cyclic: Mapping[str, Any]
+    map: Callable[..., Any] | None
 
     def __init__(
         self,
@@ -157,7 +158,7 @@ class SwitchingFlow:
         problems.check()
         names, sizes = (None if given is None else tuple(given) for given in (states, scales))
         own = {"fields": dict(fields), "switches": dict(switches), "forcing": period, "numbers": numbers, "states": names, "scales": sizes}
-        own |= {"contacts": contacts, "cyclic": drifting}
+        own |= {"contacts": contacts, "cyclic": drifting, "map": None}
         for name, value in own.items():
             object.__setattr__(self, name, value)
         for contact in contacts.values():
@@ -198,11 +199,16 @@ class SwitchingFlow:
             return tuple(0.0 * value for value in y)
 
         def clock(sign: float) -> Callable[..., Any]:
-            return lambda t, y, *n: sign * cos(2 * pi * t)
+            return lambda t, y, *n: 0.5 + sign * cos(2 * pi * t)  # where one guard falls the other is far from zero
 
         first = Switch(clock(1.0), "after", lambda t, y, *n: f(y, *n))
         switches = {"before": (first,), "after": (Switch(clock(-1.0), "before"),)}
-        return cls({"before": still, "after": still}, switches, 1.0, numbers, states, scales)
+        return cls({"before": still, "after": still}, switches, 1.0, numbers, states, scales)._of_map(f)
+
+    def _of_map(self, f: Callable[..., Any] | None) -> SwitchingFlow:
+        """The flow, which says of which map it was made; None of no map."""
+        object.__setattr__(self, "map", f)
+        return self
 
     @property
     def period(self) -> Any:
@@ -226,7 +232,8 @@ class SwitchingFlow:
         if wrong := [name for name in new if name not in self.numbers]:
             raise InputError("SwitchingFlow", [f"{name!r} is not a number of the flow; {_known(name, self.numbers)}" for name in wrong])
         numbers = {**self.numbers, **new}
-        return SwitchingFlow(self.fields, self.switches, self.forcing, numbers, self.states, self.scales, self.contacts, self.cyclic)
+        own = (self.fields, self.switches, self.forcing, numbers, self.states, self.scales, self.contacts, self.cyclic)
+        return SwitchingFlow(*own)._of_map(self.map)
 
     @property
     def plain(self) -> SwitchingFlow:

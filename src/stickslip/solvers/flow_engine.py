@@ -16,6 +16,7 @@ from stickslip.engine import lanes
 from stickslip.engine.cyclic_equations import check_cyclic
 from stickslip.engine.flow_as_written import check_flow_as_written, first_of
 from stickslip.engine.flow_system import BEGIN, MOST, SIZE, FlowSystem, TracedFlow, flow_system
+from stickslip.engine.iterated_maps import MapSteps
 from stickslip.engine.kinds import Editions
 from stickslip.engine.remembered import Remembered
 from stickslip.engine.section import RETURNS, VALUE, passes_of, until_mode_change, until_section, weight_of
@@ -25,6 +26,7 @@ from stickslip.engine.tangent import tangent
 from stickslip.models.flow_contacts import inner_scales
 from stickslip.models.switching_flow import knows_mode
 from stickslip.results.flow_pieces import ModeChange
+from stickslip.results.recurrence import KEPT
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -37,11 +39,13 @@ MOST_SWITCHES = 10_000  # in one run, if it is not said
 BUDGET = 200_000  # steps
 _SHORTER = 5, 100  # so many more of steps that hold a tolerance: in a run that is kept, and in others
 TOLERANCE = 1e-9  # of the Rosenbrock steps of flows whose contacts have inner states; Taylor steps have none
+MOST_STRETCHES = KEPT - 1  # of which the states at the ends are known at a time
 FIRST = 7  # where a step's polynomials begin, behind its times, its mode, and how many switches were before it
 _KEPT = 64  # flows whose equations are kept
 _SHARP = 1e13  # a disturbance that moves a switch by so much more than itself: what is only touched has no derivative
 _systems: Remembered[FlowEquations] = Remembered(_KEPT)
 _editions = Editions(_KEPT)
+_maps: Remembered[MapSteps] = Remembered(_KEPT)
 _kernels: Remembered[tuple[lanes.Kernel, tuple[str, ...]]] = Remembered(_KEPT)
 
 
@@ -245,6 +249,58 @@ def follow_flow(
     )  # fmt: skip
 
 
+def is_smooth(flow: SwitchingFlow, n: int) -> bool:
+    """Whether the engine follows a flow of n states in which nothing switches, and which begins anew with each period if it has one."""
+    traced = traced_flow(flow, n)
+    if traced.system is None or flow.contacts or any(flow.switches.values()):
+        return False
+    eq = traced.system.system
+    return not eq.signs and not eq.clocks and (flow.period is not None or not any("t" in eq.graph.varies(f) for f in eq.f))
+
+
+def derivatives_along(
+    flow: SwitchingFlow, y: Array, mode: Any, every: float, count: int, growth: bool = True
+) -> tuple[Array, Array] | None:
+    """The states (count, n) of a smooth flow after each of some stretches of time, and how each depends on the one before (count, n, n).
+
+    The motion is followed once; then the changes of its states in all stretches go side by side.
+
+    Parameters
+    ----------
+    every : float
+        How long a stretch is; a period, of a flow that has one.
+    count : int
+        How many there are, at most `MOST_STRETCHES`.
+    growth : bool
+        Whether the derivatives are asked for; else there are none.
+
+    Returns
+    -------
+    tuple of array
+        Or None where it could not be followed to the end.
+    """
+    n = len(y)
+    equations, kernel, names = flow_kernel(traced_flow(flow, n), record=True)
+    number, none = number_of_mode(flow, mode), np.zeros((1, n))
+    first = np.concatenate([[0.0], y, none[0], [0.0, number]])
+    budget = budget_of_flow(flow)
+    row = flow_row(flow, equations, names, y[None], every, 0.0, None)
+    job = lanes.Job(count, 0, False, TOLERANCE, 0.75, budget, whole=True)
+    whole = lanes.run(kernel, row, first[None], job, keep_strobes=True)
+    ends = whole.strobes[1 : count + 1, 1 : 1 + n]
+    if whole.status[0] > Status.REPEATS or not np.isfinite(ends).all():
+        return None
+    if not growth:
+        return ends, np.empty((0, n, n))
+    starts = np.concatenate([y[None], ends[:-1]])
+    rows = np.repeat(flow_row(flow, equations, names, starts, every, 0.0, None), n, axis=0)
+    late = np.tile([0.0, number], (count * n, 1))
+    begun = np.column_stack([np.zeros(count * n), np.repeat(starts, n, axis=0), np.tile(np.eye(n), (count, 1)), late])
+    results = lanes.run(kernel, rows, begun, lanes.Job(1, 0, False, TOLERANCE, 0.75, budget))
+    changes = results.end[:, 1 + n : 1 + 2 * n].reshape(count, n, n).transpose(0, 2, 1)
+    return (ends, changes) if np.isfinite(changes).all() and results.status.max() <= Status.REPEATS else None
+
+
 def _growth(results: list[Any], n: int, states: int) -> tuple[Array, bool]:
     """The derivative of the end by the start, nan where a switch was only touched; and whether one wiped out a direction.
 
@@ -305,7 +361,10 @@ def ends(flow: SwitchingFlow, states: Array, modes: Array, duration: Numeric, be
         How long each is followed.
     """
     n = states.shape[1]
-    equations, kernel, names = flow_kernel(traced_flow(flow, n), record=False)
+    traced = traced_flow(flow, n)
+    if flow.map is not None and (count := _iterations(duration)) is not None and begin == 0.0 and not np.any(modes):
+        return _iterated(map_steps(flow, n, traced), flow, states, count)
+    equations, kernel, names = flow_kernel(traced, record=False)
     rows = flow_row(flow, equations, names, states, duration, begin, None)
     start = np.column_stack([np.zeros(len(states)), states, np.where(modes < 0, modes, 1.0 + modes)])
     result = lanes.run(kernel, np.ascontiguousarray(rows), start, lanes.Job(1, 0, False, TOLERANCE, 0.75, budget_of_flow(flow)))
@@ -313,6 +372,25 @@ def ends(flow: SwitchingFlow, states: Array, modes: Array, duration: Numeric, be
     good = status <= Status.REPEATS
     y = np.where(good[:, None], result.end[:, 1:], np.nan)
     return y, np.where(good, np.round(np.nan_to_num(result.memory[:, 0])) - 1, -1).astype(int), status
+
+
+def map_steps(flow: SwitchingFlow, n: int, traced: FlowEquations | None = None) -> MapSteps:
+    """The compiled map of a flow of n states that was made of one, and that the engine can follow."""
+    return _maps((traced or traced_flow(flow, n)).key, lambda: MapSteps(flow, n))
+
+
+def _iterations(duration: Numeric) -> int | None:
+    """How often a map is iterated in a time that is a whole number of periods of 1 and the same for all; None of another time."""
+    times = np.ravel(np.asarray(duration, float))
+    return int(times[0]) if times[0] >= 0.0 and times[0].is_integer() and (times == times[0]).all() else None
+
+
+def _iterated(steps: MapSteps, flow: SwitchingFlow, states: Array, count: int) -> tuple[Array, Array, Array]:
+    """The ends of many starts after so many iterations, in the mode in which they began."""
+    y = steps.after(steps.row(flow.numbers, len(states)), states, count)
+    good = np.asarray(np.isfinite(y).all(axis=1))
+    status = np.where(good, int(Status.FINISHED), int(Status.NOT_A_NUMBER))
+    return np.where(good[:, None], y, np.nan) + 0.0, np.where(good, 0, -1), status
 
 
 @sealed

@@ -13,13 +13,15 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.arguments import described_as, explains_arguments
-from stickslip.basics.contracts import Array, ArrayLike, Numeric
-from stickslip.basics.errors import InputError, Problems
+from stickslip.basics.contracts import Array, ArrayLike
+from stickslip.basics.errors import InputError, Problems, SolveError
 from stickslip.basics.fields import floats
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import Ending, interruptible, look, looking, partial_result
 from stickslip.basics.notebook_display import Drawn, rounded, with_error
-from stickslip.dynamics.flows.flow_stretches import needs_flow, passage
+from stickslip.dynamics.exponents.growing_frames import compiled_flow, orbit_of_map, stretches_of
+from stickslip.dynamics.flows.flow_stretches import needs_flow
+from stickslip.solvers.flow_engine import unknown
 from stickslip.solvers.plain.user_functions import coordinates_of_map, of_state
 
 _LEAST = 10  # parts of a motion over which an interrupted average is taken at least
@@ -46,6 +48,8 @@ class Lyapunov(Drawn):
         Number of units that they were averaged over.
     note : str
         Remarks.
+    method : str
+        By what the motion was followed, where there is a choice: "compiled", or "plain Python" with why.
 
     Examples
     --------
@@ -60,6 +64,7 @@ class Lyapunov(Drawn):
     unit: str
     steps: float
     note: str = ""
+    method: str = ""
 
     @property
     def largest(self) -> float:
@@ -95,7 +100,8 @@ class Lyapunov(Drawn):
         return ", ".join(f"{rounded(a, e)} ± {e:.1g}" if np.isfinite(a) else "−∞" for a, e in known) + f" per {self.unit}"
 
     def _facts(self) -> dict[str, Any]:
-        return {"exponents": self.rounded, "averaged over": f"{self.steps:g} {self.unit}s"}
+        known = {"exponents": self.rounded, "averaged over": f"{self.steps:g} {self.unit}s"}
+        return known | ({"method": self.method} if self.method else {})
 
     def _remarks(self) -> list[str]:
         return [self.note] if self.note else []
@@ -110,14 +116,8 @@ def error_of_mean(samples: Array, stretches: int = STRETCHES) -> Array:
     length = max(len(samples) // stretches, 1)
     count = len(samples) // length
     means = samples[: count * length].reshape(count, length, *samples.shape[1:]).mean(axis=1)
-    return means.std(axis=0, ddof=1) / np.sqrt(count) if count > 1 else np.full(samples.shape[1:], np.inf)
-
-
-def grown(M: Array, Q: Array) -> tuple[Array, Array]:
-    """The frame that a derivative makes of another, and the logarithms of its growth."""
-    Q, R = np.linalg.qr(M @ Q)
-    with np.errstate(divide="ignore"):
-        return Q, np.log(abs(np.diag(R)))
+    with np.errstate(invalid="ignore"):  # of -inf it is not known
+        return means.std(axis=0, ddof=1) / np.sqrt(count) if count > 1 else np.full(samples.shape[1:], np.inf)
 
 
 def gathered(logs: Array, time: float, unit: str) -> Lyapunov:
@@ -147,19 +147,6 @@ def _checked(what: str, x0: ArrayLike, whole: dict[str, Any], **numbers: tuple[A
     return x
 
 
-def exponents_of(flow: Any, state: Numeric, mode: Any, *, duration: float, settle: float, every: float, rtol: float) -> tuple[Array, float]:
-    """Growth in every stretch of a switching flow, right at its switches: array (stretches, n), and the length of a stretch."""
-    y, t, every = np.array(state, float), 0.0, float(flow.period or every)
-    n = len(y) - len(flow.drifts.free)
-    Q, logs = np.eye(n), np.empty((max(int(duration / every), 1), n))
-    for k in range(-int(np.ceil(max(settle, 0.0) / every)), len(logs)):
-        done = passage(flow, y, mode, every, begin=t, rtol=rtol)
-        y, mode, t = flow.drifts.wrapped(done.state), done.mode, t + every
-        if k >= 0:
-            Q, logs[k] = grown(flow.drifts.without(done.monodromy), Q)
-    return logs, every
-
-
 @explains_arguments
 @interruptible
 def lyapunov_of_map(
@@ -170,13 +157,14 @@ def lyapunov_of_map(
     Parameters
     ----------
     f : callable
-        Takes a list of numbers, returns as many.
+        Takes a list of numbers, returns as many. Written in plain arithmetic and with `stickslip.maths` it is compiled, with what it
+        asks by ``if``; else it is iterated by plain Python, and `method` says why.
     x0 : sequence of float
         Where to begin.
     iterations, settle : int
         Numbers of iterations to average over, and to discard before.
     jacobian : callable, optional
-        The Jacobian matrix of f at x; if not given, it follows from f by automatic differentiation.
+        The Jacobian matrix of f at x, with which f may be any Python; if not given, it follows from f.
 
     Returns
     -------
@@ -192,19 +180,19 @@ def lyapunov_of_map(
     x = _checked("lyapunov_of_map", x0, dict(iterations=iterations, settle=settle))
     if not callable(f):
         raise InputError("lyapunov_of_map", [f"f = {f!r}; allowed is a function that takes a list of numbers and returns as many"])
-    slope = jacobian or (lambda x: of_state(f, x)[1])
-    for _ in range(settle):
-        look()
-        x = coordinates_of_map(f, x)
-    Q, logs, done = np.eye(len(x)), np.empty((int(iterations), len(x))), 0
+    coordinates_of_map(f, x)  # which says what is wrong with f
+    motion = orbit_of_map(f, x, jacobian)
+    motion.settled(settle)
+    logs, done = np.empty((int(iterations), len(x))), 0
     with partial_result() as ending:
         while done < len(logs):
             look()
-            Q, logs[done] = grown(np.asarray(slope(x), float), Q)
-            x, done = coordinates_of_map(f, x), done + 1
-    if not np.isfinite(x).all():
+            part = motion.grown(min(motion.most, len(logs) - done))
+            logs[done : done + len(part)] = part
+            done += len(part)
+    if not np.isfinite(motion.x).all():
         raise InputError("lyapunov_of_map", [f"the map diverges from x0 = {x0!r}; give a start on its attractor"])
-    return _noted(logs, done, 1.0, "iteration", ending)
+    return replace(_noted(logs, done, 1.0, "iteration", ending), method=motion.method)
 
 
 def _noted(logs: Array, done: int, every: float, unit: str, ending: Ending) -> Lyapunov:
@@ -218,6 +206,7 @@ def _noted(logs: Array, done: int, every: float, unit: str, ending: Ending) -> L
     )
 
 
+_ENGINE = 1e-9  # a tolerance that steps which are exact to rounding do not read
 _MOST = 1e8  # parts of a run in which growth is measured
 
 
@@ -239,7 +228,8 @@ def lyapunov_of_flow(
     Parameters
     ----------
     f : callable or SwitchingFlow
-        Takes a list of numbers, returns their rates. A `SwitchingFlow` has a saltation matrix at every switch.
+        Takes a list of numbers, returns their rates, in plain arithmetic and with `stickslip.maths`. A `SwitchingFlow` has a saltation
+        matrix at every switch.
     x0 : sequence of float
         Where to begin.
     duration, settle : float
@@ -247,9 +237,10 @@ def lyapunov_of_flow(
     every : float
         Time between two orthonormalisations.
     jacobian : callable, optional
-        The Jacobian matrix of f at x; if not given, it follows from f by automatic differentiation.
+        The Jacobian matrix of f at x, with which f may be any Python; if not given, it follows from f.
     rtol : float
-        Tolerance of the integrator (DOP853).
+        Tolerance of SciPy's integrator, which follows what cannot be called with symbols (`method` says why); the engine's steps are exact
+        to rounding.
     mode : int
         Initial mode of a `SwitchingFlow`.
 
@@ -271,8 +262,7 @@ def lyapunov_of_flow(
     x = _checked("lyapunov_of_flow", x0, {}, duration=(duration, False), every=(every, False), settle=(settle, True), rtol=(rtol, False))
     if not callable(f):
         needs_flow("lyapunov_of_flow", f, f"f = {f!r}; allowed is a function that gives the rates of a list of numbers, or a SwitchingFlow")
-        logs, every = exponents_of(f, x, mode, duration=duration, settle=settle, every=every, rtol=rtol)
-        return gathered(logs, every, "unit of time")
+        return _of_stretches(f, x, mode, unknown(f, len(x)), duration=duration, settle=settle, every=every, rtol=rtol)
     n, slope = len(x), jacobian or (lambda x: of_state(f, x)[1])
 
     def rates(t: float, y: Array) -> Array:
@@ -280,10 +270,20 @@ def lyapunov_of_flow(
 
     if not np.isfinite(coordinates_of_map(f, x)).all():
         raise InputError("lyapunov_of_flow", [f"f gave {coordinates_of_map(f, x).tolist()} at x0 = {x0!r}; allowed are finite rates"])
-    if settle > 0:
-        x = _followed(lambda t, y: coordinates_of_map(f, y), x, settle, rtol, 0.0, x0)
     if not duration / every <= _MOST:
         raise InputError("lyapunov_of_flow", [f"every = {every!r} makes {duration / every:.3g} parts of duration; allowed are {_MOST:.0e}"])
+    flow, why = compiled_flow(f, n, jacobian is not None)
+    if flow is not None:
+        try:
+            exponents = _of_stretches(flow, x, 0, "", duration=duration, settle=settle, every=every, rtol=_ENGINE)
+        except SolveError as error:
+            why = str(error)
+        else:
+            if not np.isnan(exponents.spectrum).any():
+                return exponents
+            why = "it touches the zero of a condition"
+    if settle > 0:
+        x = _followed(lambda t, y: coordinates_of_map(f, y), x, settle, rtol, 0.0, x0)
     Q, logs, done = np.eye(n), np.empty((max(int(duration / every), 1), n)), 0
     with partial_result() as ending:
         while done < len(logs):
@@ -293,7 +293,23 @@ def lyapunov_of_flow(
             Q, R = np.linalg.qr(end[n:].reshape(n, n))
             logs[done] = np.log(abs(np.diag(R)))
             done += 1
-    return _noted(logs, done, every, "unit of time", ending)
+    return replace(_noted(logs, done, every, "unit of time", ending), method=_by_scipy(why))
+
+
+def _by_scipy(why: str) -> str:
+    return f"SciPy's DOP853 on plain Python: {why}"
+
+
+def _of_stretches(flow: Any, x: Array, mode: Any, why: str, *, duration: float, settle: float, every: float, rtol: float) -> Lyapunov:
+    """The exponents of a flow from the growth in its stretches; `why` says why the engine cannot follow it, if that is so."""
+    every = float(flow.period or every)
+    count, done = max(int(duration / every), 1), 0
+    logs = np.empty((count, len(x) - len(flow.drifts.free)))
+    with partial_result() as ending:
+        for part in stretches_of(flow, x, mode, count=count, settle=int(np.ceil(max(settle, 0.0) / every)), every=every, rtol=rtol):
+            logs[done : done + len(part)] = part
+            done += len(part)
+    return replace(_noted(logs, done, every, "unit of time", ending), method=_by_scipy(why) if why else "compiled")
 
 
 def _followed(rates: Callable[[float, Array], Array], y: Array, time: float, rtol: float, since: float, x0: ArrayLike) -> Array:

@@ -19,7 +19,8 @@ from stickslip.basics.interruption import interruptible, look, partial_result
 from stickslip.basics.quantities import between
 from stickslip.dynamics.derivatives.tangents import Changes, Directions, changes_along, not_followed
 from stickslip.dynamics.exponents.between_returns import ALIGN, CHUNK, LEAST, between_returns
-from stickslip.dynamics.exponents.general_exponents import Lyapunov, error_of_mean, exponents_of, grown
+from stickslip.dynamics.exponents.general_exponents import Lyapunov, error_of_mean
+from stickslip.dynamics.exponents.growing_frames import grown, stretches_of
 from stickslip.dynamics.exponents.lost_directions import summary, with_lost
 from stickslip.dynamics.periodic.closed_orbits import resting
 from stickslip.dynamics.periodic.given_states import states_of
@@ -140,7 +141,7 @@ def _(at: FlowCoordinates, flow: Any, periods: int, settle: int, start: Any, rto
     """From the derivative that the tangent of a flow gives of each period."""
     state, T = state_after(flow, start, settle, 1e-12)[0], float(flow.period)
     mode = mode_of_strobe_state(flow, state)
-    return summary(exponents_of(flow, state[:-1], mode, duration=periods * T, settle=ALIGN * T, every=T, rtol=1e-12)[0]), False
+    return summary(np.concatenate(list(stretches_of(flow, state[:-1], mode, count=periods, settle=ALIGN, every=T, rtol=1e-12)))), False
 
 
 def state_after(model: Model, start: Any, settle: int, rtol: float, at: Coordinates | None = None) -> Array:
