@@ -17,7 +17,7 @@ from stickslip.basics.fields import leaves
 from stickslip.maths import where, within
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.mechanics import parts_of
-from stickslip.models.pushed import PushedBody, PushedParts, force_names, pushed
+from stickslip.models.pushed import Pushed, force_names, pushed
 from stickslip.models.switching_flow import is_flow
 from stickslip.solvers.flow_engine import FlowStart, follow_flow
 from stickslip.solvers.simulation import Simulation
@@ -180,7 +180,7 @@ def test_after_a_jump_of_an_input_it_goes_on_as_solve_does_from_there(name):
 
 
 @dataclass(frozen=True, eq=False)
-class LaterBody(PushedBody):
+class Later(Pushed):
     """The force comes at an instant of the first of three periods."""
 
     instant: float = 0.0
@@ -197,16 +197,7 @@ class LaterBody(PushedBody):
         return where((t if self.period is None else within(t, self.period)) < self.instant, 0.0, 1.0)
 
     def acceleration(self, t, x, v, R):
-        return self.machine.acceleration(t, x, v, R - self.come(t) * self.applied)
-
-
-@dataclass(frozen=True, eq=False)
-class LaterParts(PushedParts):
-    """The same of several bodies."""
-
-    instant: float = 0.0
-
-    period, breaks, come = LaterBody.period, LaterBody.breaks, LaterBody.come
+        return self.machine.acceleration(t, x, v, R - self.come(t) * self.applied[0])
 
     def forces(self, t, x, v):
         own, come = parts_of(self.machine).forces(t, x, v), self.come(t)
@@ -216,9 +207,9 @@ class LaterParts(PushedParts):
 @each_row("name", ["Robot", "PulledMass", "a machine of your own", "LuGre"])
 def test_within_a_period_it_goes_on_from_a_jump_as_the_judge_does(name):
     machine = LUGRE if name == "LuGre" else every_machine[name][0]
-    instant, single = 0.377 * (machine.period or 2.0), machine_of(machine).is_single
+    instant, bodies = 0.377 * (machine.period or 2.0), machine_of(machine).mechanics.bodies
     force = next(iter(force_names(machine)))
-    later = LaterBody(machine, 0.1, instant) if single else LaterParts(machine, (0.1, 0.0), instant)
+    later = Later(machine, (0.1, *(0.0 for _ in bodies[1:])), instant)
     span = {"periods": 1} if machine.period is not None else {"duration": 6.0}
     judge = ss.solve(later, **span, method="radau" if name == "LuGre" else "dop853", rtol=1e-9)
     sim = ss.simulation(machine, rtol=RTOL)

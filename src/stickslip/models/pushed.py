@@ -7,120 +7,60 @@ from dataclasses import dataclass
 from typing import Any
 
 from stickslip.basics.contracts import Model, Numeric
-from stickslip.basics.errors import Problems
 from stickslip.basics.fields import Frozen
 from stickslip.models.machine_adapter import fresh_mechanics, machine_of
-from stickslip.models.machines.machine import Machine
-from stickslip.models.mechanics import parts_of
-
-#: Attributes of a machine that say how others are made of it, and not what it is.
-_ITS_OWN = ("drive", "mirrored", "machine", "applied")
+from stickslip.models.mechanics import lists_parts, parts_of
 
 
 @dataclass(frozen=True, eq=False)
-class PushedBody(Frozen):
-    """One body on one contact, and a force on it.
+class Pushed(Frozen):
+    """A machine, and a force on each of its bodies.
 
     Parameters
     ----------
-    machine : Robot or a mechanism
-    applied : float
-        The force, forwards [N].
+    machine : Robot or machine
+    applied : tuple of float
+        The forces, in the order of the bodies [N]; of a machine that turns torques [N m].
 
     Examples
     --------
     >>> import stickslip as ss
     >>> belt = ss.BlockOnBelt(mass=2.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0))
-    >>> belt.acceleration(0.0, 0.0, 0.0, 3.0), PushedBody(belt, 1.0).acceleration(0.0, 0.0, 0.0, 3.0)
+    >>> belt.acceleration(0.0, 0.0, 0.0, 3.0), Pushed(belt, (1.0,)).acceleration(0.0, 0.0, 0.0, 3.0)
     (-1.5, -1.0)
-    """
-
-    machine: Any
-    applied: float = 0.0
-
-    def __getattr__(self, name: str) -> Any:
-        """All else is the machine's."""
-        if name.startswith("_") or name == "machine":
-            raise AttributeError(name)
-        return getattr(self.machine, name)
-
-    def acceleration(self, t: Numeric, x: Numeric, v: Numeric, R: Numeric) -> Any:
-        """Acceleration under the friction force R [m/s^2]: a force forwards is as much less friction."""
-        return self.machine.acceleration(t, x, v, R - self.applied)
-
-    def mirrored(self) -> PushedBody:
-        """Its mirror image."""
-        return PushedBody(self.machine.mirrored(), -self.applied)
-
-
-@dataclass(frozen=True, eq=False)
-class PushedParts(Machine):
-    """A machine that lists its bodies, and a force on each of them.
-
-    Parameters
-    ----------
-    machine : Machine, or a Robot whose inner mass is driven by a force
-    applied : tuple of float
-        The forces, in the order of the bodies [N]; of a machine that turns torques [N m].
     """
 
     machine: Any
     applied: tuple[float, ...]
 
     def __getattr__(self, name: str) -> Any:
-        """All else is the machine's, or of what lists its parts."""
-        if name.startswith("_") or name in _ITS_OWN:
+        """All else is the machine's, or of what lists its parts; that has no drive that would list them once more, without the forces."""
+        if name.startswith("_") or name in ("machine", "applied", "mechanics"):
             raise AttributeError(name)
-        return getattr(parts_of(self.machine), name)
+        parts = parts_of(self.machine)
+        if name == "drive" and lists_parts(parts):
+            raise AttributeError(name)
+        return getattr(parts, name)
 
     @property
     def period(self) -> Any:
         """That of the machine [s]."""
         return self.machine.period
 
-    @property
-    def principal(self) -> str | None:  # type: ignore[override]
-        """That of the machine."""
-        return machine_of(self.machine).principal
-
-    @property
-    def coordinates(self) -> tuple[str, ...] | None:  # type: ignore[override]
-        """Those of the machine; the forces are along them."""
-        return getattr(parts_of(self.machine), "coordinates", None)
-
-    def bodies(self) -> Mapping[str, Any]:
-        """Those of the machine."""
-        return parts_of(self.machine).bodies()
-
-    def contacts(self) -> Mapping[str, Any]:
-        """Those of the machine."""
-        return parts_of(self.machine).contacts()
-
-    def links(self) -> Mapping[tuple[str, str | None], Any]:
-        """Those of the machine."""
-        return parts_of(self.machine).links()
-
-    def stops(self) -> Mapping[tuple[str, str | None], Any]:
-        """Those of the machine."""
-        return parts_of(self.machine).stops()
-
-    def controllers(self) -> Mapping[str, Any]:
-        """Those of the machine."""
-        return parts_of(self.machine).controllers()
+    def acceleration(self, t: Numeric, x: Numeric, v: Numeric, R: Numeric) -> Any:
+        """Acceleration of one body under the friction force R [m/s^2]: a force forwards is as much less friction."""
+        return self.machine.acceleration(t, x, v, R - self.applied[0])
 
     def forces(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Those of the machine, and the applied ones."""
+        """Those of a machine that lists its bodies, and the applied ones."""
         own = dict(parts_of(self.machine).forces(t, x, v))
         return {name: _more(own[name], force) if name in own else force for name, force in zip(x, self.applied, strict=True)}
 
-    def mirrored(self) -> PushedParts:
+    def mirrored(self) -> Pushed:
         """Its mirror image."""
-        from stickslip.models.mirroring import mirrored
+        from stickslip.models.mirroring import made_of_images, mirrored
 
-        return PushedParts(mirrored(self.machine), tuple(-force for force in self.applied))
-
-    def _check(self, problems: Problems) -> None:
-        """The machine was checked when it was made."""
+        return made_of_images(self, Pushed(mirrored(self.machine), tuple(-force for force in self.applied)))
 
 
 def _more(own: Any, force: Any) -> Any:
@@ -128,17 +68,16 @@ def _more(own: Any, force: Any) -> Any:
     return {**own, "applied": own.get("applied", 0.0) + force} if isinstance(own, Mapping) else own + force
 
 
-def pushed(machine: Model) -> Any:
+def pushed(machine: Model) -> Pushed:
     """The machine with a force of zero on each of its bodies.
 
     Examples
     --------
     >>> import stickslip as ss
     >>> pushed(ss.Chain.example()).applied, pushed(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4)).applied
-    ((0.0, 0.0), 0.0)
+    ((0.0, 0.0), (0.0,))
     """
-    mechanics = fresh_mechanics(machine)  # which refuses equations that its parts do not say
-    return PushedBody(machine) if machine_of(machine).one_body is not None else PushedParts(machine, (0.0,) * len(mechanics.bodies))
+    return Pushed(machine, (0.0,) * len(fresh_mechanics(machine).bodies))  # which refuses equations that its parts do not say
 
 
 def force_names(machine: Model) -> dict[str, str]:
@@ -150,13 +89,13 @@ def force_names(machine: Model) -> dict[str, str]:
     --------
     >>> import stickslip as ss
     >>> force_names(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4)), list(force_names(ss.Chain.example()))
-    ({'force': 'applied'}, ['force on module 1', 'force on module 2'])
+    ({'force': 'applied.0'}, ['force on module 1', 'force on module 2'])
     >>> force_names(ss.Joint.example())
     {'torque on joint': 'applied.0'}
     """
     adapter = machine_of(machine)
     if not adapter.names_parts:
-        return {"force": "applied"}
+        return {"force": "applied.0"}
     bodies, turns = adapter.mechanics.bodies, bool(getattr(machine, "rotary", False))
     names = {f"{'torque' if turns else 'force'} on {body}": f"applied.{i}" for i, body in enumerate(bodies)}
     short = bodies[0] if len(bodies) == 1 else adapter.principal

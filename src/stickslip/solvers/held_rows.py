@@ -11,7 +11,7 @@ from stickslip.basics.contracts import Array, Model
 from stickslip.engine.held_rows import BODY, CHANGE, END, PIECE, REST, STANCE, TIME, WHAT, RowLane, RowSide, rows_of
 from stickslip.engine.local_events import row_of
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.pushed import PushedParts
+from stickslip.models.pushed import Pushed
 from stickslip.models.state_layout import StateLayout
 from stickslip.results.events import Event, kind_of
 from stickslip.results.trajectory import Trajectory
@@ -148,7 +148,7 @@ class RowCase(BodiesCase):
         again = np.append(np.all(latest[1:, BODY:REST] == latest[:-1, BODY:REST], axis=1), False)  # the same, written once more
         events = changes[:, [TIME, BODY, REST]]
         of = local_steps.pieces_of(self._machine.mechanics, first[:, REST].astype(np.int8), [latest[~again, BODY:]], events, begin, end)
-        model = PushedParts(self.model, tuple(self._pushes.tolist())) if self._pushes.any() else self.model
+        model = Pushed(self.model, tuple(self._pushes.tolist())) if self._pushes.any() else self.model
         periods = 1 if model.period is None else max(int(np.ceil((end - begin) / model.period)), 1)
         return Trajectory(model, of, periods, 0, 0.0, self.method, **more)
 

@@ -18,6 +18,7 @@ from stickslip.engine.symbolic import SPAN
 from stickslip.engine.trace import trace
 from stickslip.engine.values import values_of
 from stickslip.maths import cos, sin
+from stickslip.models.machine_adapter import machine_of
 from stickslip.models.pushed import pushed
 from stickslip.solvers.plain.choosing import after_event
 from stickslip.solvers.plain.plain_equations import ContactModes, Equations
@@ -275,7 +276,7 @@ def test_forces_of_a_simulation_act_along_the_coordinates():
     sim, run = ss.simulation(pole), ss.solve(pole, periods=2)
     state = sim.step(0.3, inputs={"force on x": 0.0})
     assert state["x"] == pytest.approx(run.at(0.3)["x"], rel=1e-9)
-    there, force = pushed(pole).replace({"applied.1": 0.2}).mechanics, 0.2
+    there, force = machine_of(pushed(pole).replace({"applied.1": 0.2})).mechanics, 0.2
     at = (0.1, (0.0, 0.4), (0.2, 0.3), (0.0,))
     gained = np.subtract(there.accelerations(*at), pole.mechanics.accelerations(*at))
     matrix = [[1.3, 0.15 * np.cos(0.4)], [0.15 * np.cos(0.4), 0.075]]
