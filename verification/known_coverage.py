@@ -17,13 +17,16 @@ from stickslip.inverse.identification.uncertainty import faults
 __all__ = ["run", "truth_and_intervals"]
 
 
+_ALIKE = 1e-9  # part of the largest power of an axis below which it is rounding
 _NORMAL = 1.96  # standard errors at the ends of a 95 % interval
 
 
 def truth_and_intervals(fit: ss.identification.Fit, truth: dict[str, float]) -> dict[str, Any]:
     """For each number: whether its interval holds the truth, and its error in standard errors; error and standard error over it.
 
-    Where an interval is by profile its length on the side of the truth stands for 1.96 standard errors.
+    Where an interval is by profile its length on the side of the truth stands for 1.96 standard errors. The numbers of a fit share errors
+    (a gain of the sensor is in all of them): the errors along the principal axes of their correlations, in standard errors, are
+    independent, so that a share of these is as sure as their number says.
     """
     found = {}
     for name, value in truth.items():
@@ -34,7 +37,21 @@ def truth_and_intervals(fit: ss.identification.Fit, truth: dict[str, float]) -> 
             error = abs((high if value > fit.values[name] else low) - fit.values[name]) / _NORMAL
         off = (fit.values[name] - value) / error if known and error > 0 else 0.0
         found[name] = [bool(low <= value <= high), off, abs(fit.values[name] - value) / abs(value), error / abs(value) if known else None]
-    return {"numbers": found, "faults": faults(fit)}
+    return {"numbers": found, "axes": _along_axes(fit, truth), "faults": faults(fit)}
+
+
+def _along_axes(fit: ss.identification.Fit, truth: dict[str, float]) -> list[float]:
+    """Errors of the determined numbers along the principal axes of their correlations, in standard errors."""
+    names = [name for name in truth if name not in fit.undetermined and 0 < fit.errors[name] < np.inf]
+    which = [fit.names.index(name) for name in names]
+    covariance = fit.covariance[np.ix_(which, which)]
+    sizes = np.sqrt(np.diag(covariance))
+    if not names or not np.isfinite(covariance).all():
+        return []
+    powers, axes = np.linalg.eigh(covariance / np.outer(sizes, sizes))
+    off = np.array([fit.values[name] - truth[name] for name in names]) / sizes
+    kept = powers > _ALIKE * powers.max()
+    return [float(each) for each in (axes.T @ off)[kept] / np.sqrt(powers[kept])]
 
 
 def run(classes: dict[str, Callable[[np.random.Generator], dict[str, Any]]], words: list[str], file: Path) -> None:
@@ -79,6 +96,13 @@ def _lines(rows: list[dict[str, Any]]) -> list[str]:
             f"{label}: {100 * held / len(known):.1f} % of {len(known)} intervals hold ({100 * low:.1f} to {100 * high:.1f}), "
             f"{far} beyond three standard errors (below {100 * most:.1f} %), {len(numbers) - len(known)} not determined"
         )
+        axes = np.array([each for r in some for each in r.get("axes", [])])
+        if len(axes):
+            low, high = _binomial(int(np.sum(abs(axes) < _NORMAL)), len(axes))
+            said.append(
+                f"  of {len(axes)} independent errors {100 * np.mean(abs(axes) < _NORMAL):.1f} % are within 1.96 standard errors "
+                f"({100 * low:.1f} to {100 * high:.1f}), {int(np.sum(abs(axes) > 3))} beyond three; their mean square is {np.mean(axes**2):.2f}"
+            )
         errors, widths = np.array([n[2] for n in known]), np.array([n[3] for n in known])
         said.append(
             f"  median standard error {np.median(widths):.2g} of the number, median error times 1.48 {1.48 * np.median(errors):.2g}"

@@ -74,6 +74,12 @@ def test_counts_of_a_coarse_encoder_are_read_by_their_edges():
     motion = smoothed((channel(0, T, count * np.round(X / count)),))
     assert np.std(motion.at(T) - X) < 0.03 * count and np.std(motion.at(T, 1) - V) < 0.01 * np.std(V)
     assert all(abs(z) < 4 for z in off(fitted(record(count * np.round(X / count)))).values())
+    # about one count in a sample: edges and values are the same roundings, which were counted twice and taken for a motion of 250 Hz
+    count = 2e-3 * np.max(abs(V)) / 1.03
+    motion = smoothed((channel(0, T, count * np.round(X / count)),))
+    error = float(np.std((motion.at(T, 1) - V)[motion.inside(T)]))
+    repeated = float(np.std([(motion.again(k).at(T, 1) - motion.at(T, 1))[motion.inside(T)] for k in range(4)]))
+    assert motion.bandwidth < 10 and error < 2e-3 * np.std(V) and error < 2 * repeated
 
 
 @each_row("size", [0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 1.0, 3.0])

@@ -376,6 +376,11 @@ def test_an_interval_is_by_profile_where_the_sum_of_squares_is_no_parabola():
     assert fit.bent == ("a",) and plain.bent == () and fit.interval("a") != fit.interval("a", method="covariance")
     assert [low**2, high**2] == pytest.approx(plain.interval("mu"), rel=0.02, abs=2e-6)
     assert plain.interval("mu") == plain.interval("mu", method="covariance")
+    # a friction times an unknown gain is known a hundred times better than either: the other follows, along no straight line
+    record, free = forces(ss.Coulomb(0.2, 0.2), n=400, noise=1e-3, seed=1), {"mu": (0.0, 0.5)}
+    known = {"gain": ("normal", 1.0, 0.02)}
+    gained = ss.identify(record, lambda mu: ss.Coulomb(mu, mu), free=free, using="force", starts=8, sensor=known, load=10.0)
+    assert gained.errors["mu"] == pytest.approx(0.02 * gained.values["mu"], rel=0.02) and gained.bent == ()
 
 
 class _Linear:

@@ -69,6 +69,8 @@ def test_a_drop_and_a_click_give_friction_whose_intervals_hold_the_truth(page, t
     cells = page.page.locator("#fit-rows tbody").evaluate(rows)
     intervals = {name: re.match(r"(\S+) to (\S+)", text).groups() for name, text in cells}
     assert all(float(intervals[name][0]) < truth < float(intervals[name][1]) for name, truth in {"mu": 2.4, "f": F, "v_s": V_S}.items())
+    others = page.page.locator("#fit-lists li", has_text=re.compile("^coulomb: ")).inner_text()
+    assert "neighbours correlated" in others  # why another law is not supported
     drawn = page.page.locator("#fit-pictures img")
     assert drawn.count() == 6 and all(drawn.nth(k).evaluate("image => image.decode().then(() => image.naturalWidth)") > 0 for k in range(6))
     assert page.page.locator("#fit-pictures figcaption", has_text="again.csv").count() == 3

@@ -90,16 +90,18 @@ class DrivenProblem(OverParameters):
         own = [{what: np.broadcast_to(value, len(places))[good] for what, value in r.items()} for r in readings]
         self.solves += int(good.sum()) * len(self.targets)
         determined = not self.holds and not any(m.open for m in self.targets)
-        forces = [self._forces(good, batches, own, side) for side in ((0.0,) if determined else (-1.0, 1.0))]
+        forces = self._forces(good, batches, own, (0.0,) if determined else (-1.0, 1.0))
         return forces[0], forces[-1]
 
-    def _forces(self, good: Any, batches: Any, readings: Any, side: float) -> Any:
+    def _forces(self, good: Any, batches: Any, readings: Any, sides: tuple[float, ...]) -> list[Any]:
         """Forces where what is not known of the contact makes them least (side -1) or greatest (1)."""
-        forces = np.full((len(self.y), len(good)), np.nan)
+        forces = [np.full((len(self.y), len(good)), np.nan) for _ in sides]
         if good.any():
             each, cases = zip(batches, self.targets, readings, strict=True), int(good.sum())
             with np.errstate(all="ignore"):
-                forces[:, good] = np.concatenate([m.given(law, cases, r, side) for law, m, r in each])
+                made = [m.given(law, cases, r, sides) for law, m, r in each]
+            for whole, parts in zip(forces, zip(*made, strict=True), strict=True):
+                whole[:, good] = np.concatenate(parts)
         return forces
 
     def slopes(self, point: Array, readings: Sequence[Mapping[str, Any]]) -> tuple[Any, Any]:

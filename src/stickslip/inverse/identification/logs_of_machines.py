@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -13,6 +14,7 @@ from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.units import quantity_of
+from stickslip.inverse.identification import strokes
 from stickslip.inverse.identification.clocks import Clock, clock_of
 from stickslip.inverse.identification.law_forces import Stepped, law_force
 from stickslip.inverse.identification.measured_motion import motion_behind, noise_of_velocity
@@ -100,7 +102,7 @@ class MachineLog(Compared):
         x, v = again.at(self.t), np.where(self.v == 0, 0.0, again.at(self.t, 1))
         return dataclasses.replace(self, x=x, v=v, acceleration=_accelerations(x, self.at, self.half, self.step))
 
-    @property
+    @cached_property
     def time(self) -> Any:
         """Times of the values, counted from the middle of the record [s]."""
         return self.t[self.at] - 0.5 * (self.t[0] + self.t[-1])
@@ -109,7 +111,7 @@ class MachineLog(Compared):
         """Times, positions and velocities of the values."""
         return self.t[self.at], self.x[self.at], self.v[self.at]
 
-    @property
+    @cached_property
     def step(self) -> float:
         """Time between samples [s]."""
         return float(self.t[1] - self.t[0])
@@ -119,7 +121,7 @@ class MachineLog(Compared):
         if len(h) < 3:
             return h
         left, right, apart = self._around(delay)
-        return h[left] + (h[right] - h[left]) * (self.time - delay - self.time[left]) / apart
+        return strokes.on_a_line(h, left, right, (self.time - delay - self.time[left]) / apart)
 
     def delay_slope(self, h: Array, delay: float) -> Any:
         """The change of delayed values with time, exactly that of these lines: steps of a search lead nowhere by another one [1/s]."""
@@ -130,13 +132,18 @@ class MachineLog(Compared):
 
     def _around(self, delay: float) -> tuple[Any, Any, Any]:
         """Windows about each delayed instant, between the same reversals, and the time between the two, 1 for one alone."""
-        t = self.time
-        apart = np.concatenate([[True], np.diff(self.at) > _APART * np.median(np.diff(self.at)), [True]])
-        first = np.maximum.accumulate(np.where(apart[:-1], np.arange(len(t)), 0))
-        last = np.minimum.accumulate(np.where(apart[1:], np.arange(len(t)), len(t) - 1)[::-1])[::-1]
+        t, (first, last) = self.time, self._joined
         left = np.clip(np.searchsorted(t, t - delay) - 1, first, np.maximum(last - 1, first))
         right = np.minimum(left + 1, last)
         return left, right, np.where(right > left, t[right] - t[left], 1.0)
+
+    @cached_property
+    def _joined(self) -> tuple[Any, Any]:
+        """The first and the last window between the same reversals and gaps, for each: arrays (m,) of int."""
+        count = len(self.at)
+        apart = np.concatenate([[True], np.diff(self.at) > _APART * np.median(np.diff(self.at)), [True]])
+        first = np.maximum.accumulate(np.where(apart[:-1], np.arange(count), 0))
+        return first, np.minimum.accumulate(np.where(apart[1:], np.arange(count), count - 1)[::-1])[::-1]
 
     def every(self, step: int) -> MachineLog:
         """Every so many-th window."""
@@ -147,22 +154,29 @@ class MachineLog(Compared):
         """The same for a search: thinned out."""
         return self.every(step) if step > 1 else self
 
-    def given(self, model: Model, cases: int, reading: dict[str, Any], side: float) -> Any:
-        """The input required for this motion, at rest its least (side -1) or greatest (1) possible value: array (m, cases)."""
+    def given(self, model: Model, cases: int, reading: dict[str, Any], sides: tuple[float, ...]) -> list[Any]:
+        """The input required for this motion, at rest its least (side -1) or greatest (1) possible value: an array (m, cases) for each."""
         bare, per = _input(model)
         m, factor = machine_of(bare).mechanics, per[self.kind]
-        t, x, v = (values[self._inside][..., None] for values in (self.t, self.x, self.v))
+        t, x, v = self._within
         free = m.accelerations(t, (x,), (v,), tuple(0.0 for _ in m.contacts))[0]
         inertial = np.broadcast_to(m.masses[0] * (self.acceleration[:, None] - self._mean(free, cases)), (self.count, cases))
         if not m.contacts:
-            return inertial / factor
-        push = side * np.sign(factor) * _PUSH * (np.max(abs(self.y)) * abs(factor) + np.max(abs(inertial)))
-        return (inertial + self._friction(m, factor, np.broadcast_to(push, inertial.shape), cases, reading.get("start"))) / factor
+            return [inertial / factor] * len(sides)
+        push = np.sign(factor) * _PUSH * (np.max(abs(self.y)) * abs(factor) + np.max(abs(inertial)))
+        borne = [np.broadcast_to(side * push, inertial.shape) for side in sides]
+        return [(inertial + force) / factor for force in self._friction(m, factor, borne, cases, reading.get("start"))]
 
-    @property
+    @cached_property
     def _inside(self) -> Any:
         """Samples in each window: array (m, 2 W - 1)."""
         return self.at[:, None] + np.arange(1 - self.half, self.half)
+
+    @cached_property
+    def _within(self) -> tuple[Any, Any, Any]:
+        """Times, positions and velocities there: arrays (m, 2 W - 1, 1)."""
+        t, x, v = (values[self._inside][..., None] for values in (self.t, self.x, self.v))
+        return t, x, v
 
     def _mean(self, values: Any, cases: int) -> Any:
         """Means over the windows of values at all their samples: array (m, cases)."""
@@ -175,16 +189,16 @@ class MachineLog(Compared):
             return m.loads(t, (x,))[0]
         return m.load_under(0, t, (x,), (v,), m.bodies[0], factor * np.interp(t, self.t[self.at], self.y))
 
-    def _friction(self, m: Any, factor: Any, borne: Any, cases: int, start: Any) -> Any:
-        """Friction forces over the windows where the contact bears so much at rest: array (m, cases)."""
+    def _friction(self, m: Any, factor: Any, borne: list[Any], cases: int, start: Any) -> list[Any]:
+        """Friction forces over the windows where the contact bears so much at rest: an array (m, cases) for each."""
         law: LawAdapter = m.laws[0]
         if law.dynamic:
-            return self._remembered(m, law, factor, borne, cases, start)
-        t, x, v = (values[self._inside][..., None] for values in (self.t, self.x, self.v))
+            return [self._remembered(m, law, factor, each, cases, start) for each in borne]
+        t, x, v = self._within
         load, slip = self._load(m, factor, t, x, v), m.slips(t, (v,))[0]
         backward, forward = (self._mean(limit, cases) for limit in law.breakaway(load))
         sliding = self._mean(law.sliding(np.where(slip != 0, slip, 1.0), load), cases)
-        return np.where(self.still[:, None], np.clip(borne, backward, forward), sliding)
+        return [np.where(self.still[:, None], np.clip(each, backward, forward), sliding) for each in borne]
 
     def _remembered(self, m: Any, law: LawAdapter, factor: Any, borne: Any, cases: int, start: Any) -> Any:
         """The same of a law with inner states, which follow all samples."""

@@ -103,7 +103,7 @@ class PrescribedMotion(Compared):
             return dataclasses.replace(self, load=load)
         return dataclasses.replace(self, load=load, **_driven(self.measured.again(k), self.t, self.before))
 
-    @property
+    @cached_property
     def y(self) -> Any:
         """The values that are compared."""
         return self.force[self.compared]
@@ -120,12 +120,12 @@ class PrescribedMotion(Compared):
         sides = sides_of(self.force)
         return sides if np.ndim(sides) == 0 else sides[self.compared]
 
-    @property
+    @cached_property
     def weight(self) -> Any:
         """Weight of each value."""
         return self.weights[self.compared]
 
-    @property
+    @cached_property
     def time(self) -> Any:
         """Times of the values, counted from the middle of the record [s]."""
         return self.t[self.compared] - 0.5 * (self.t[self.before] + self.t[-1])
@@ -135,7 +135,7 @@ class PrescribedMotion(Compared):
         x = np.cumsum(self.v * np.diff(self.t, prepend=self.t[0]))
         return self.t[self.compared], x[self.compared], self.at[self.compared]
 
-    @property
+    @cached_property
     def step(self) -> float:
         """Time between samples [s]."""
         return float(np.median(np.diff(self.time)))
@@ -166,7 +166,7 @@ class PrescribedMotion(Compared):
         """The same where the force is late by about so much."""
         return dataclasses.replace(self, lag=lag)
 
-    @property
+    @cached_property
     def known(self) -> Any:
         """1, or 0 for values that a delay brings from before the motion was recorded, or from after that: array (values,)."""
         t, least = self.time, _ENDS * abs(self.lag)
@@ -203,13 +203,13 @@ class PrescribedMotion(Compared):
         """Whether the motion leaves anything open, so that forces may be less or greater."""
         return bool(self.gaps.any())
 
-    def given(self, law: Law, cases: int, reading: dict[str, Any], side: float) -> Any:
-        """Friction forces at the values, the least (side -1) or the greatest (1) that may be: array (values, cases) [N].
+    def given(self, law: Law, cases: int, reading: dict[str, Any], sides: tuple[float, ...]) -> list[Any]:
+        """Friction forces at the values, the least (side -1) or the greatest (1) that may be: an array (values, cases) for each side [N].
 
         A contact that is held is pushed to the side, and after each gap it comes from where that force is least or greatest.
         """
-        bridged, own = self.bridged(side)
-        return driven_force(law, bridged, cases, reading, side * _PUSH * float(np.max(self.load)))[own]
+        each = [(side * _PUSH * float(np.max(self.load)), *self.bridged(side)) for side in sides]
+        return [driven_force(law, bridged, cases, reading, push)[own] for push, bridged, own in each]
 
     def bridged(self, side: float) -> tuple[PrescribedMotion, Any]:
         """The motion with a slow slide to a side (-1 or 1) in each gap, longer than any stroke, and which of its samples are compared.

@@ -30,9 +30,13 @@ def _delayed(target: Any, h: Array, delay: Any) -> Any:
     """Values a little later; between samples they change evenly."""
     if delay is None or not np.any(delay) or h.size == 0:
         return h
-    if h.ndim == 1:
-        return target.delayed(h, delay)
-    return np.stack([_delayed(target, column, d) for column, d in zip(h.T, np.broadcast_to(delay, h.shape[1]), strict=True)], axis=1)
+    if h.ndim == 1 or np.ndim(delay) == 0:
+        return target.delayed(h, float(delay))
+    shown = np.empty(h.shape)
+    for each in np.unique(delay):
+        columns = np.flatnonzero(delay == each)
+        shown[:, columns] = _delayed(target, h[:, columns], float(each))
+    return shown
 
 
 def change_shown(target: Any, h: Array, reading: dict[str, Any]) -> Any:

@@ -30,6 +30,8 @@ EDGES = 16  # changes of a count, fewer than which do not show a motion
 _DITHER = 0.5  # of a count: noise of a channel of counts that is supposed at first
 _BURIED = 0.38  # of a count: noise, rounding included, from which on rounding is a part of it and edges show nothing
 _PASSES = 3  # times that a motion is smoothed, each with the noise that the one before has left
+_WHITE, _ALIKE = 2.0, 4.0  # squares of noise: Mallows' price of a direction, and where roundings of neighbours are alike (beats)
+_SHORT = 2  # samples of a stretch of one count, of which its edges say nearly all
 _EDGE = 0.05  # of a count, by which the edges of an encoder may be off
 _MOST = 200_000  # values of all channels together
 _FEW, _FINER = 128, 3  # knots at first, and by how many times more if they are too few
@@ -251,7 +253,7 @@ def _best(channels: tuple[MotionChannel, ...], start: float, span: float, finest
     count = min(_FEW, finest)
     while True:
         rows = _Rows(_Knots(start, span / count, count), parts, orders)
-        cost, weight, phase, coefficients, free = _chosen(rows)
+        cost, weight, phase, coefficients, free = _chosen(rows, _ALIKE if any(c.count for c in channels) else _WHITE)
         if best is None or cost < best[0]:
             bandwidth = phase * count / (2 * np.pi * span)
             best = cost, Smooth(channels, rows.knots, coefficients, weight, bandwidth), free
@@ -263,8 +265,11 @@ def _best(channels: tuple[MotionChannel, ...], start: float, span: float, finest
         count = min(_FINER * count, finest)
 
 
-def _chosen(rows: _Rows) -> tuple[float, float, float, Any, float]:
-    """Where the estimated error is least: that, weight of the penalty, its phase, coefficients, and the part of the values left free."""
+def _chosen(rows: _Rows, price: float) -> tuple[float, float, float, Any, float]:
+    """Where the estimated error is least: that, weight of the penalty, its phase, coefficients, and the part of the values left free.
+
+    `price` is what each direction that the motion follows has to take from the squares of what is left.
+    """
     n, knots = len(rows.y), rows.knots
     probes = np.random.default_rng(3).choice([-1.0, 1.0], (n, _PROBES))
     density = float(np.sum(rows.gram[-1]) + 2 * np.sum(rows.gram[:-1])) / knots.size  # of information, for each knot
@@ -278,7 +283,7 @@ def _chosen(rows: _Rows) -> tuple[float, float, float, Any, float]:
             break
         met = rows.matrix @ solutions
         bent = float(np.mean(np.sum(probes * met[:, 1:], axis=0)))
-        cost = float(np.sum((rows.y - met[:, 0]) ** 2)) + 2 * bent
+        cost = float(np.sum((rows.y - met[:, 0]) ** 2)) + price * bent
         if best is None or cost < best[0]:
             best, rises = (cost, weight, phase, solutions[:, 0], 1 - bent / n), 0
         else:
@@ -307,18 +312,24 @@ def _is_coarse(y: Array) -> bool:
 
 
 def _edges(t: Array, y: Array, count: float, sigma: float) -> tuple[Any, Any, Any]:
-    """Where edges of counts are crossed, and beside that each stretch of one count, whose values weigh together as one reading."""
+    """Where edges of counts are crossed, and beside that each stretch of one count, whose values weigh together as one reading.
+
+    A stretch of few samples has the rounding of its edges, which say all of it where about one count is crossed in a sample: it counts by
+    what it knows more than they do. Counted twice, rounding would look like a motion.
+    """
     change = np.flatnonzero(np.diff(y) != 0)
     bounds = np.concatenate([[0], change + 1, [len(y)]])
     lengths = np.diff(bounds)
     nearest = np.minimum(lengths[:-1], lengths[1:])
     size = abs(y[change + 1] - y[change])
     crossed = np.sqrt(size**2 / (12.0 * np.where(size > 1.5 * count, 1, nearest) ** 2) + (_EDGE * count) ** 2 + sigma**2)
-    slack = np.repeat(np.sqrt(lengths * (count**2 / 12 + sigma**2)), lengths)
+    reading, told = 1.0 / (count**2 / 12 + sigma**2), 0.5 / crossed**2
+    own = np.where(lengths > _SHORT, reading, reading - np.append(told, 0.0) - np.insert(told, 0, 0.0))  # information
+    own, kept = np.repeat(own / lengths, lengths), np.repeat(own > _NONE * reading, lengths)
     return (
-        np.concatenate([0.5 * (t[change] + t[change + 1]), t]),
-        np.concatenate([0.5 * (y[change] + y[change + 1]), y]),
-        np.concatenate([crossed, slack]),
+        np.concatenate([0.5 * (t[change] + t[change + 1]), t[kept]]),
+        np.concatenate([0.5 * (y[change] + y[change + 1]), y[kept]]),
+        np.concatenate([crossed, 1.0 / np.sqrt(own[kept])]),
     )
 
 

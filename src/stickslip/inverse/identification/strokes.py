@@ -47,9 +47,25 @@ def later(t: Array, h: Array, delay: float, smooth: bool = False) -> Any:
     [-0.5, 0.5, 1.5, 2.0]
     """
     left, part = _between(t, t - delay)
-    line = h[left] + (h[left + 1] - h[left]) * part
+    line = on_a_line(h, left, left + 1, part)
     curved = _curved(t, left, part) if smooth else np.zeros(len(t), bool)
-    return np.where(curved, _spline(t, h)(t - delay), line) if curved.any() else line
+    return np.where(_beside(curved, h), _spline(t, h)(t - delay), line) if curved.any() else line
+
+
+def on_a_line(h: Array, left: Array, right: Array, part: Array) -> Any:
+    """Values a part of the way from those on the left to those on the right, of many columns too.
+
+    Examples
+    --------
+    >>> on_a_line(np.array([[0.0, 1.0], [2.0, 1.0]]), np.array([0]), np.array([1]), np.array([0.25])).tolist()
+    [[0.5, 1.0]]
+    """
+    return h[left] + (h[right] - h[left]) * _beside(part, h)
+
+
+def _beside(each: Array, h: Array) -> Any:
+    """A value for each row, as a column where there are many columns."""
+    return each if h.ndim == 1 else each[:, None]
 
 
 def later_slope(t: Array, h: Array, delay: float) -> Any:
@@ -116,7 +132,7 @@ class Strokes:
     def delayed(self, h: Array, delay: float) -> Any:
         """Values of the strokes so much later, and what is open between them."""
         left, part = self._places(delay)
-        return np.where(self.open >= 0, h[self.open], h[left] + (h[left + 1] - h[left]) * part)
+        return np.where(_beside(self.open >= 0, h), h[self.open], on_a_line(h, left, left + 1, part))
 
     def slope(self, h: Array, delay: float) -> Any:
         """The change of these with time."""

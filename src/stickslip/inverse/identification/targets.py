@@ -74,8 +74,9 @@ class Compared:
         return f"{self.label}: a sensor of the {unit} or less would do, or one of the velocity beside it"
 
     def delayed(self, h: Array, delay: float) -> Any:
-        """Values a little later; between samples they change evenly."""
-        return np.interp(self.time - delay, self.time, h)
+        """Values a little later, of many columns too; between samples they change evenly."""
+        columns = [np.interp(self.time - delay, self.time, column) for column in h.reshape(len(h), -1).T]
+        return np.stack(columns, axis=1).reshape(h.shape)
 
     def delay_slope(self, h: Array, delay: float) -> Any:
         """The change of delayed values with time [1/s]."""

@@ -377,8 +377,8 @@ def lost_remarks(fit: Fit) -> list[str]:
 def bent_parameters(fit: Fit) -> tuple[str, ...]:
     """Parameters along whose interval the sum of squares is not a parabola, so covariance and bootstrap intervals are unreliable.
 
-    Two standard errors of white noise away, the others along, the sum of squares should have risen by four; and where noise is coloured,
-    so that the interval is wider, at its end by as much as the interval allows.
+    Two standard errors of white noise away, where the others have followed, the sum of squares should have risen by four; and where noise
+    is coloured, so that the interval is wider, at its end by as much as the interval allows.
     """
     covariance = fit.information.covariance(fit.scale)
     errors = np.sqrt(np.diag(covariance))
@@ -388,30 +388,37 @@ def bent_parameters(fit: Fit) -> tuple[str, ...]:
 
 
 def _parabolic_within(fit: Fit, k: int, along: Any) -> bool:
-    """Whether the sum of squares rises as a parabola two standard errors of white noise away and at the interval's end, and stays up."""
+    """Whether the sum of squares rises as a parabola two standard errors of white noise away and at the interval's end, and stays up.
+
+    Half as far again it must be above what an interval allows, where a parabola would be 2.25 times as high.
+    """
+    others = np.arange(len(fit.point)) != k
+    rows = fit.jacobian[:, others]
+    follow = Information(rows[: fit.count], fit.problem.resolution, rows[fit.count :]).inverse
     end = float(np.sqrt(_allowed(fit, k, _LEVEL))) / fit.scale
     ends = [_USUAL, end] if end > _WIDER * _USUAL else [_USUAL]
-    return all(_parabolic(fit, along, part) for part in ends) and _stays_up(fit, k, along, end)
+    rises = [rise / part**2 for away in ends for part, rise in _rises(fit, along, away, (others, follow))]
+    if not rises or not all(_LEAST < rise < _MOST for rise in rises):
+        return False
+    return all(rise >= end**2 for part, rise in _rises(fit, along, _BEYOND * end, (others, follow)) if part > end)
 
 
-def _stays_up(fit: Fit, k: int, along: Any, end: float) -> bool:
-    """Whether the sum of squares is above what an interval allows half as far again, where a parabola would be 2.25 times as high.
+def _rises(fit: Fit, along: Any, away: float, following: tuple[Any, Any]) -> list[tuple[float, float]]:
+    """How far to either side, in standard errors (less where a bound is nearer), and by how many squares of the noise the sum rises there.
 
-    The other numbers follow by two steps of Gauss and Newton: over a shoulder they need not go on as they did up to it.
+    The other numbers follow by steps of Gauss and Newton: along a product that is known (a gain times a friction) or over a shoulder they
+    do not go on straight.
     """
-    others, rows = np.arange(len(fit.point)) != k, fit.jacobian[:, np.arange(len(fit.point)) != k]
-    follow = Information(rows[: fit.count], fit.problem.resolution, rows[fit.count :]).inverse
-    low, high = fit.problem.bounds()
-    for part, side in _sides(fit, along, _BEYOND * end):
-        point = fit.point + part * side
-        costs = []
+    others, follow = following
+    (low, high), rises = fit.problem.bounds(), []
+    for part, side in _sides(fit, along, away):
+        point, costs = fit.point + part * side, []
         for _ in range(_FOLLOWS):
             rest = fit.problem.residuals(point)
             costs.append(float(rest @ rest))
             point[others] = np.clip(point[others] - follow @ rest, low[others], high[others])
-        if part > end and min(costs) - fit.cost < (end * fit.scale) ** 2:
-            return False
-    return True
+        rises.append((part, (min(costs) - fit.cost) / fit.scale**2))
+    return rises
 
 
 def open_parameters(fit: Fit) -> tuple[str, ...]:
@@ -428,15 +435,6 @@ def _allowed(fit: Fit, k: int, level: float) -> float:
     white, coloured = fit.information.covariance(fit.scale)[k, k], fit.spread[k, k]
     wider = coloured / white if np.isfinite(white) else _colour(fit)
     return float((_quantile(fit, level) * fit.scale) ** 2 * wider)
-
-
-def _parabolic(fit: Fit, along: Any, away: float) -> bool:
-    """Whether the sum of squares rises as a parabola so many standard errors away on either side, or as far as a bound is."""
-    rises = []
-    for part, side in _sides(fit, along, away):
-        rest = fit.problem.residuals(fit.point + part * side)
-        rises.append((float(rest @ rest) - fit.cost) / (part * fit.scale) ** 2)
-    return bool(rises) and all(_LEAST < rise < _MOST for rise in rises)
 
 
 def _sides(fit: Fit, along: Any, away: float) -> list[tuple[float, Any]]:

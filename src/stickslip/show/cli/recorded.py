@@ -29,6 +29,8 @@ def in_command_words(text: str, of: str = "records") -> str:
     ('type --columns "t [s],v [mm/s]"', 'type for example --free mu0=0.05..0.5')
     >>> in_command_words('type for example over={"drive.amplitude": (2e-4, 8e-4)}; widen the bounds in over', "searches")
     'type for example --over drive.amplitude=2e-4..8e-4; widen the bounds in --over'
+    >>> in_command_words('type sensor={"offset": None, "gain": ("normal", 1.0, 0.001), "delay": 0.0}')
+    'type --sensor offset=fit --sensor gain=normal:1.0:0.001 --sensor delay=0.0'
     """
     text = re.sub(r'(unit|role|scale)s?=\{((?:"[^"]*": "[^"]*", )+"[^"]*": "[^"]*")\}', _each_pair, text)
     text = re.sub(
@@ -36,6 +38,7 @@ def in_command_words(text: str, of: str = "records") -> str:
         lambda typed: re.sub(r'"(\w+)": ([^,]+)(, )?', r"--set \1=\2 ", typed[1]).strip(),
         text,
     )
+    text = re.sub(r'\bsensor=\{("\w+": [^{}]*)\}', lambda typed: " ".join(_of_a_sensor(typed[1])), text)
     for pattern, words in tomllib.loads(_TYPED.read_text(encoding="utf-8"))[of]:
         text = re.sub(pattern, words, text)
     return text
@@ -44,6 +47,13 @@ def in_command_words(text: str, of: str = "records") -> str:
 def _each_pair(typed: re.Match[str]) -> str:
     """Several pairs of a dict as as many options."""
     return " ".join(f'--{typed[1]} "{name}={value}"' for name, value in re.findall(r'"([^"]*)": "([^"]*)"', typed[2]))
+
+
+def _of_a_sensor(typed: str) -> list[str]:
+    """What is typed of each effect of a sensor, as an option."""
+    effects = re.findall(r'"(\w+)": (None|\([^()]*\)|[^,()]+)', typed)
+    values = ("fit" if value == "None" else re.sub(r'[()" ]', "", value).replace(",", ":") for _, value in effects)
+    return [f"--sensor {name}={value}" for (name, _), value in zip(effects, values, strict=True)]
 
 
 @contextmanager

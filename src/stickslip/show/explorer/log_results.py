@@ -56,10 +56,10 @@ def _rows(fit: Fit) -> list[dict[str, Any]]:
 
 
 def _ranking(made: LogFit) -> list[dict[str, Any]]:
-    """The laws that were compared, the best first."""
+    """The laws that were compared, the best first, each with why it is not supported, if it is not."""
     if made.ranking is None:
         return []
-    return [{"law": row.label, "aicc": f"{row.aicc:.1f}", "faults": bool(row.faults)} for row in made.ranking.rows]
+    return [{"law": row.label, "aicc": f"{row.aicc:.1f}", "faults": list(row.faults)} for row in made.ranking.rows]
 
 
 def _quality(fit: Fit) -> list[str]:

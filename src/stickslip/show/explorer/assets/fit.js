@@ -223,7 +223,7 @@ function picture({ heading, svg }) {
 }
 
 function lists(header) {
-  const ranking = header.ranking.map((r) => `${r.law}: ΔAICc ${r.aicc}${r.faults ? ", its fit has a fault" : ""}`);
+  const ranking = header.ranking.map((r) => [`${r.law}: ΔAICc ${r.aicc}`, ...r.faults].join("; "));
   const groups = [
     ["Not determined by this record", header.undetermined],
     ["Measure next", header.next],
