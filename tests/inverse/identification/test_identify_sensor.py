@@ -493,7 +493,7 @@ def test_no_law_is_supported_whose_residuals_have_a_shape_or_whose_numbers_sit_a
     assert ss.identification.rank({**wrong, "Stribeck": right}).supported == ("Stribeck",)
     narrow = ss.identify(record, ss.Stribeck, free={**free, "v_s": (6e-4, 1e-2, "log")}, starts=16)
     bound = ss.identification.rank({**wrong, "Stribeck": narrow})
-    assert bound.supported == () and "v_s ends at its bound" in bound.reason
+    assert bound.supported == () and "v_s ends at its bound 0.0006" in bound.reason
 
 
 @pytest.mark.parametrize("part", [0.25, 0.6, 0.95])  # while places are judged, and while steps are taken

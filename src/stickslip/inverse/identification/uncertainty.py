@@ -226,7 +226,7 @@ def faults(fit: Fit) -> list[str]:
     reasons = ["the search was interrupted"] if fit.stopped else []
     reasons += [*_before_a_minimum(fit), *_coarse(fit)]
     outside = [name for name in _at_bounds(fit) if name not in at_zero(fit) and _is_outside(fit, fit.names.index(name), _inner(fit, name))]
-    reasons += [f"{name} ends at its bound {fit.values[name]:.5g}" for name in outside]
+    reasons += [f"{name} ends at its bound {_bound_met(fit, name):.5g}" for name in outside]
     reasons += _against_what_is_known(fit)
     reasons += [*_sensors_at_bounds(fit), *_misfit_of_means(fit)]
     return reasons + [f"{q.label}: {q.excess}" for q in fit.quality if q.suspicious]
@@ -297,6 +297,13 @@ def _at_bounds(fit: Fit) -> list[str]:
     return [name for name in names if min(_inner(fit, name), 1 - _inner(fit, name)) < _AT_BOUND]
 
 
+def _bound_met(fit: Fit, name: str) -> float:
+    """The bound at which a parameter ends, or what the law demands there beside the others."""
+    k = fit.names.index(name)
+    free = fit.problem.parameters.free[k]
+    return float(free.low if fit.point[k] < _AT_BOUND else free.high if fit.point[k] > 1 - _AT_BOUND else fit.values[name])
+
+
 def _inner(fit: Fit, name: str) -> float:
     """Where a parameter is between the least, 0, and the greatest value, 1, that it may have beside the others."""
     return float(fit.problem.parameters.limits.inner(fit.point)[fit.names.index(name)])
@@ -344,7 +351,7 @@ def remarks(fit: Fit) -> list[str]:
         if free.name in fit.undetermined:
             continue
         if free.name in at_bounds:
-            sentences.append(f"{free.name} ends at its bound {fit.values[free.name]:.5g}: {_at_bound(fit, k)}")
+            sentences.append(f"{free.name} ends at its bound {_bound_met(fit, free.name):.5g}: {_at_bound(fit, k)}")
         elif free.name in fit.flat:
             sentences.append(f"{free.name} changes nothing measured near its fitted value, and does farther away")
         elif not _inner_error(fit, k) < 0.3:
