@@ -98,10 +98,11 @@ def _lines(rows: list[dict[str, Any]]) -> list[str]:
         )
         axes = np.array([each for r in some for each in r.get("axes", [])])
         if len(axes):
-            low, high = _binomial(int(np.sum(abs(axes) < _NORMAL)), len(axes))
+            within, far = int(np.sum(abs(axes) < _NORMAL)), int(np.sum(abs(axes) > 3))
+            low, high = _binomial(within, len(axes))
             said.append(
-                f"  of {len(axes)} independent errors {100 * np.mean(abs(axes) < _NORMAL):.1f} % are within 1.96 standard errors "
-                f"({100 * low:.1f} to {100 * high:.1f}), {int(np.sum(abs(axes) > 3))} beyond three; their mean square is {np.mean(axes**2):.2f}"
+                f"  of {len(axes)} independent errors {100 * within / len(axes):.1f} % are within 1.96 standard errors "
+                f"({100 * low:.1f} to {100 * high:.1f}), {far} beyond three; their mean square is {np.mean(axes**2):.2f}"
             )
         errors, widths = np.array([n[2] for n in known]), np.array([n[3] for n in known])
         said.append(
