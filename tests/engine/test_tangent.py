@@ -236,6 +236,7 @@ def test_a_body_that_may_stand_anywhere_says_so():
         (lambda: ss.dynamics.sensitivity(chain(0.0, 2.0), wrt="modules.0.drive.omega"), r"do not repeat after the period; .*'\*.omega'"),
         (lambda: ss.dynamics.sensitivity(robot(), wrt=[]), "wrt is empty"),
         (lambda: ss.dynamics.sensitivity(3), "3 is neither a machine"),
+        (lambda: ss.dynamics.sensitivity(ss.PulledMass(1.0, 2.0, 0.1, ss.Coulomb(1.0, 1.0))), "PulledMass has no period, .*ss.solve"),
         (lambda: ss.dynamics.sensitivity(robot().replace({"drive.amplitude": np.array([5e-4, 6e-4])})), "is a batch"),
         (lambda: ss.dynamics.sensitivity(robot(ss.friction.Bristle(0.15, 0.21, 4e5))), "plain numbers only"),
         (lambda: tangent(trace(robot()), wrt=("mass",)), "'mass' is none of them"),

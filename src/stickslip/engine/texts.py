@@ -14,7 +14,7 @@ from stickslip.results import recurrence as recurrences
 
 _POINTS = "f2, int64"
 _RECURRENCE = {
-    "difference": "float64(float64, float64, f1, int64)",
+    "difference": "float64(float64, float64, float64, float64)",
     "apart": f"float64({_POINTS}, int64, int64, f1)",
     "stretch": f"int64({_POINTS}, int64, int64, f1, float64)",
     "closing": f"UniTuple(float64, 2)({_POINTS}, int64, int64, f1)",

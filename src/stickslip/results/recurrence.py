@@ -44,22 +44,22 @@ def scales_of(sizes: Any, lengths: Any = 0.0) -> Any:
     return np.concatenate([sizes, np.where(np.isfinite(lengths), lengths, 0.0)])
 
 
-def difference(a: float, b: float, scale: Any, i: int) -> float:
+def difference(a: float, b: float, size: float, length: float) -> float:
     """One state less another, in its scale; of one that comes again after a length, modulo that."""
-    length, way = scale[len(scale) // 2 + i], a - b
+    way = a - b
     if length > 0.0:
         way -= length * math.floor(way / length + 0.5)
-    return way / scale[i]
+    return way / size
 
 
 def apart(points: Any, last: int, p: int, k: int, scale: Any) -> float:
     """Distance, in scales, of the p points up to `last` from those k times p periods before; infinite where one is not a number."""
-    rows, worst = len(points), 0.0
+    rows, states, worst = len(points), len(scale) // 2, 0.0
     new, old = last % rows, (last - k * p) % rows
     for j in range(p):
         a, b = new - j if j <= new else new - j + rows, old - j if j <= old else old - j + rows
-        for i in range(len(scale) // 2):
-            distance = abs(difference(points[a, 1 + i], points[b, 1 + i], scale, i))
+        for i in range(states):
+            distance = abs(difference(points[a, 1 + i], points[b, 1 + i], scale[i], scale[states + i]))
             if not distance < float("inf"):
                 return float("inf")
             worst = max(worst, distance)
@@ -103,12 +103,12 @@ def dying(points: Any, last: int, p: int, m: int, scale: Any) -> bool:
 
 def heading(points: Any, last: int, p: int, m: int, scale: Any) -> float:
     """Correlation of one change over p periods with the next: +1 where a motion drifts, -1 where it swings, -1/2 of independent errors."""
-    rows, both, new_squares, old_squares = len(points), 0.0, 0.0, 0.0
+    rows, states, both, new_squares, old_squares = len(points), len(scale) // 2, 0.0, 0.0, 0.0
     for j in range((2 * m - 1) * p):
-        for i in range(len(scale) // 2):
-            middle = points[(last - j - p) % rows, 1 + i]
-            new = difference(points[(last - j) % rows, 1 + i], middle, scale, i)
-            old = difference(middle, points[(last - j - 2 * p) % rows, 1 + i], scale, i)
+        for i in range(states):
+            middle, size, length = points[(last - j - p) % rows, 1 + i], scale[i], scale[states + i]
+            new = difference(points[(last - j) % rows, 1 + i], middle, size, length)
+            old = difference(middle, points[(last - j - 2 * p) % rows, 1 + i], size, length)
             both += new * old
             new_squares += new * new
             old_squares += old * old

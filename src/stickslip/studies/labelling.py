@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Mapping
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from stickslip.basics.fingerprints import fingerprint
 from stickslip.basics.jsontext import as_plain
 from stickslip.basics.quantities import axis_in
 from stickslip.basics.variables import VARIABLES, unit_of
-from stickslip.models.angular_coordinates import unit_of_part
+from stickslip.models.angular_coordinates import angles_of, unit_of_part
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.naming import axis_of
 from stickslip.models.observables import Derived
@@ -94,8 +94,9 @@ def attributes_of(plan: Plan) -> dict[str, Any]:
 
 def _units_of(plan: Plan) -> dict[str, str]:
     """The units of columns for machines of which something turns, of each part in its order if they differ; empty for others."""
-    parts = plan.parts
-    units = {name: unit for name in COLUMNS if (unit := _unit_of(name, plan.sample, parts)) != VARIABLES[name].unit}
+    model, parts = plan.sample, plan.parts
+    own = partial(_unit_of, model=model, parts=parts) if angles_of(model) else partial(unit_of, model=model)
+    units = {name: unit for name in COLUMNS if (unit := own(name)) != VARIABLES[name].unit}
     return {"units": json.dumps(units)} if units else {}
 
 

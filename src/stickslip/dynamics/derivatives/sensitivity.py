@@ -150,6 +150,10 @@ def sensitivity(of: Any, wrt: str | Sequence[str] | None = None) -> Sensitivity:
     if why := not_followed(model):
         raise InputError("sensitivity", [f"perturbations are not propagated along the motion of this {type(model).__name__}, as {why}; "
                                          "take differences of two runs"])  # fmt: skip
+    if model.period is None and not hasattr(of, "pieces"):
+        why = f"{type(model).__name__} has no period, and how long its cycle takes changes with its numbers; allowed is a run of it"
+        raise InputError("sensitivity", [f"{why}; type ss.dynamics.sensitivity(ss.solve(machine, duration=10.0)) for its mean velocity and "
+                                         "its end, or ss.continuation(machine, parameter=...) for how its cycle changes"])  # fmt: skip
     moved = directions_of("sensitivity", model, wrt)
     if hasattr(of, "pieces"):
         return _of_run(of, moved)
