@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 
 import stickslip as ss
-from ours import whole
 from stickslip.maths import cos, pi, sin
+from whole import whole
 
 G = 9.81
 

@@ -5,6 +5,9 @@ r"""Linear equations A x = b within a motion: their solution is known by what it
 With the inverse of A where a step begins, each order costs one product of series for each entry of A that varies; an elimination
 written out would cost several for each, and a series for every quotient. Values, derivatives and all else are those of the elimination.
 Matrices of inertia, and what friction forces are while contacts rest and slide as their modes say, come this way (`solution`, `extended`).
+
+What a body that turns does to others is a rate, cos(q) q'' - sin(q) q'^2 = (cos(q) q')'. Where it stands in an equation in whole, the
+series of cos(q) q', from which that of sin(q) follows too, gives it without further products (`Equation`).
 """
 
 from __future__ import annotations
@@ -31,6 +34,7 @@ class LinearSystem:
     rows: Rows
     right: tuple[Sym, ...]
     unknowns: tuple[Sym, ...]  # the solution
+    factors: tuple[Sym, ...]  # what stood before each of them; it belongs to the columns
 
     @cached_property
     def inverse(self) -> Rows:
@@ -44,6 +48,76 @@ class LinearSystem:
     def parts(self) -> tuple[Sym, ...]:
         """The entries of the matrix, and the right-hand side."""
         return (*(entry for row in self.rows for entry in row), *self.right)
+
+
+@dataclass(frozen=True, eq=False)
+class Turning:
+    """A coordinate q, an angle, whose rate w is a state."""
+
+    angle: Sym
+    rate: Sym
+
+
+@dataclass(frozen=True, eq=False)
+class Equation:
+    """One of the equations as series take it: entries times unknowns, and rates, are the right-hand side."""
+
+    entries: tuple[Sym, ...]
+    rates: tuple[tuple[Sym, Sym, Turning], ...]  # a coefficient, sin(q) or cos(q), and q: the rate of their product with q'
+    right: Sym
+
+    @property
+    def parts(self) -> tuple[Sym, ...]:
+        """What its series is made of."""
+        return (*self.entries, *(each for _, turned, turning in self.rates for each in (turned, turning.rate)), self.right)
+
+
+def equations_of(system: LinearSystem, turning: dict[int, Turning]) -> tuple[Equation, ...]:
+    """The equations of a system, in which some unknowns, by their places, are the rates of the rates of angles.
+
+    Examples
+    --------
+    >>> graph = Graph()
+    >>> q, w, a, b = map(graph.variable, "qwab")
+    >>> sine, cosine, zero, one = graph.call("sin", q), graph.call("cos", q), graph.constant(0.0), graph.constant(1.0)
+    >>> system = LinearSystem(((one, cosine), (zero, one)), (sine * w * w, zero), (a, b), (one, one))
+    >>> first, _ = equations_of(system, {1: Turning(q, w)})  # a + cos(q) q'' = sin(q) q'^2 is a + (cos(q) q')' = 0
+    >>> first.entries[1] is zero, first.right is zero, first.rates[0][1] is cosine
+    (True, True, True)
+    """
+    return tuple(_equation(row, b, system, turning) for row, b in zip(system.rows, system.right, strict=True))
+
+
+def _equation(row: tuple[Sym, ...], right: Sym, system: LinearSystem, turning: dict[int, Turning]) -> Equation:
+    graph, entries, rates, terms = right.graph, list(row), list[tuple[Sym, Sym, Turning]](), monomials(right)
+    for k, each in turning.items():
+        turned = _turned(graph, row[k], each, system.factors[k])
+        if turned is None or not turned:
+            continue
+        wanted = {}  # of the right-hand side: what their rates have beside the accelerations
+        for (key, number), c in turned.items():
+            node = graph.nodes[number]
+            other, sign = ("sin", 1.0) if node.op == "cos" else ("cos", -1.0)
+            partner = graph.call(other, each.angle).number
+            wanted[tuple(sorted((*key, partner, each.rate.number, each.rate.number)))] = sign * c
+        if all(abs(terms.get(key, 0.0) - c) <= _ROUNDING * abs(c) for key, c in wanted.items()):
+            terms = {key: c for key, c in terms.items() if key not in wanted}
+            rates += [(_product(graph, key) * c, graph.nodes[number], each) for (key, number), c in turned.items()]
+            entries[k] = graph.constant(0.0)
+    return Equation(tuple(entries), tuple(rates), built(graph, terms)) if rates else Equation(row, (), right)
+
+
+def _turned(graph: Graph, entry: Sym, turning: Turning, factor: Sym) -> dict[tuple[tuple[int, ...], int], float] | None:
+    """Coefficients by what does not vary in a product, and the sine or cosine of an angle in it; None of what is made of anything else."""
+    if factor is not graph.constant(1.0):
+        return None
+    turned = {}
+    for key, c in monomials(entry).items():
+        varying = [number for number in key if graph.varies(graph.nodes[number])]
+        if len(varying) != 1 or (node := graph.nodes[varying[0]]).op not in ("sin", "cos") or node.args[0] is not turning.angle:
+            return None
+        turned[tuple(number for number in key if number != node.number), node.number] = c
+    return turned
 
 
 def parts_of(node: Sym) -> tuple[Sym, ...]:
@@ -92,7 +166,7 @@ def _note(graph: Graph, rows: Rows, right: tuple[Sym, ...], solved: tuple[Sym, .
             continue
         factors, unknowns = zip(*(stripped(solved[i]) for i in block), strict=True)  # factors before them belong to the columns
         scaled = tuple(tuple(entry * factor for entry, factor in zip(row, factors, strict=True)) for row in part)
-        system, numbers = LinearSystem(scaled, tuple(right[i] for i in block), unknowns), {x.number for x in unknowns}
+        system, numbers = LinearSystem(scaled, tuple(right[i] for i in block), unknowns, factors), {x.number for x in unknowns}
         usual = all(x.args and graph.varies(x) for x in unknowns) and len(numbers) == len(unknowns)
         if usual and not any(_contains(each, numbers) for each in system.parts):
             graph.linear |= dict.fromkeys(numbers, system)
@@ -190,6 +264,31 @@ def monomials(node: Sym) -> Monomials:
         if not missing:
             known[waiting.pop().number] = _expanded(now, [known[a.number] for a in args])
     return known[node.number]
+
+
+def least_of(node: Sym) -> Sym | None:
+    """What an expression is at least, whatever angles are; None where more varies in it than their sines and cosines.
+
+    Examples
+    --------
+    >>> graph = Graph()
+    >>> angle = graph.variable("angle")
+    >>> least_of(2.0 - 0.5 * graph.call("sin", angle)).value, least_of(2.0 - angle)
+    (1.5, None)
+    """
+    graph = node.graph
+    if node.op == "select" and not graph.varies(node.args[0]):
+        either = [least_of(each) for each in node.args[1:]]
+        return None if either[0] is None or either[1] is None else graph.select(node.args[0], either[0], either[1])
+    total = graph.constant(0.0)
+    for key, c in monomials(node).items():
+        factors = [graph.nodes[number] for number in key]
+        varying = [each for each in factors if graph.varies(each)]
+        if any(each.op not in ("sin", "cos") for each in varying):
+            return None
+        of = _product(graph, [each.number for each in factors if not graph.varies(each)]) * c
+        total = total - graph.select(of, of, -of) if varying else total + of
+    return total
 
 
 def _expanded(node: Sym, args: list[Monomials]) -> Monomials:

@@ -14,7 +14,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
-from stickslip.engine.linear_systems import parts_of
+from stickslip.engine.linear_systems import Equation, LinearSystem, Turning, equations_of
 from stickslip.engine.symbols import Sym, TraceError, is_zero, slope_of
 from stickslip.engine.write import Writer
 
@@ -53,11 +53,16 @@ class RowWriter:
     ):  # fmt: skip
         self.graph, self.w, self.start, self.order, self.out = y[0].graph, w, start, order, out
         self._states = {state.number: i for i, state in enumerate(y)}
+        self._slopes = {state.number: slope for state, slope in zip(y, f, strict=False)}
+        self._equations = dict[LinearSystem, tuple[Equation, ...]]()
+        self._turned = dict[int, Turning]()  # by number of a sine or cosine the angle, where both follow from their products with its rate
         self._given, self._called = known or {}, called
         self._forms: dict[int, Form] = {}
         self.rows: dict[int, str] = dict(self._given)
         self._rates: dict[int, str] = {}  # rows of m times the coefficient
         self._sums: dict[tuple[str, str], str] = {}  # of products of two rows
+        self._sums_ahead: dict[tuple[str, str], str] = {}  # those of the next order, as far as they are known
+        self._ahead: dict[int, tuple[str, str]] = {}  # names and first coefficients of terms that are known an order ahead, by number
         self._lines: dict[int, list[tuple[str, str]]] = {}  # of an order, by the term whose coefficient they end with
         self._names: dict[int, str] = {}
         self._carried: dict[str, tuple[str, str]] = {}  # names that an order takes from the one before: first value, value for the next
@@ -89,9 +94,28 @@ class RowWriter:
             node = waiting.pop()
             if node.number not in visited:
                 visited.add(node.number)
-                uses.update(a.number for a in parts_of(node))
-                waiting += parts_of(node)
+                parts = self._parts(node)
+                uses.update(a.number for a in parts)
+                waiting += parts
         return uses
+
+    def _parts(self, node: Sym) -> tuple[Sym, ...]:
+        """What the series of an expression is made of: its arguments, or those of the linear equations that it solves."""
+        system = self.graph.linear.get(node.number)
+        return node.args if system is None else tuple(part for equation in self._solving(system) for part in equation.parts)
+
+    def _solving(self, system: LinearSystem) -> tuple[Equation, ...]:
+        """The equations of a system, with the rates of products where its unknowns are those by which the states move."""
+        if system not in self._equations:
+            turning = {}
+            for angle, rate in ((y, w) for y, w in self._slopes.items() if w.number in self._slopes and self._in_halves):
+                slope = self._slopes[rate.number]
+                turning |= {k: Turning(self.graph.nodes[angle], rate) for k, x in enumerate(system.unknowns) if x is slope}
+            self._equations[system] = equations_of(system, turning)
+            for equation in self._equations[system]:
+                for _, turned, of in equation.rates:
+                    self._turned |= {self.graph.call(op, turned.args[0]).number: of for op in ("sin", "cos")}
+        return self._equations[system]
 
     def _turns(self, node: Sym) -> bool:
         """Whether it is a sine or cosine of what is linear in time."""
@@ -198,6 +222,8 @@ class RowWriter:
             return lambda term: f"1.0 * {self._given[term.number]}[m]"
         if term.number in self.graph.linear:
             return self._solved
+        if term.number in self._turned:
+            return self._with_the_angle
         return self._turning if self._turns(term) else getattr(self, f"_{term.op}", self._by_slope)
 
     def _row(self, term: Sym) -> str:
@@ -318,12 +344,55 @@ class RowWriter:
         self._lines[node.number] += [*ahead, (c, f"-{turn} * {s}"), (s, f"{turn}c")]
         return ""
 
+    def _with_the_angle(self, node: Sym) -> str:
+        """sin q and cos q, both at once and an order ahead, from the series of their products with w = q'.
+
+        Of these the next coefficients are known too, but for what that of w gives, and so their rates: `rate_of`.
+        """
+        turning = self._turned[node.number]
+        sine, cosine = (self.graph.call(op, node.args[0]) for op in ("sin", "cos"))
+        other = cosine if node is sine else sine
+        if other.number in self._lines:
+            return ""
+        own = self._names[node.number]
+        self._names[other.number] = f"{own}o"
+        self._lines[other.number] = []
+        self._order.append(other)
+        w, row, lines = self._value(turning.rate), self._row(turning.rate), []
+        for each, then, sign in ((sine, cosine, "-"), (cosine, sine, "")):  # w sin q, and so cos q
+            name, at = self._names[each.number], self._value(each)
+            first = f"{sign}({w} * {at})"
+            self._ahead[then.number] = self._names[then.number], first
+            lines.append((f"{name}w", f"fma({self._coefficient(turning.rate)}, {at}, {name}r)"))
+            self._carried[self._names[then.number]] = first, f"{self._names[then.number]}a"
+        for each, then, sign in ((sine, cosine, "-"), (cosine, sine, "")):
+            lines.append((f"{self._names[then.number]}a", f"{sign}(_ahead * {self._names[each.number]}w)"))
+        for each, then, sign in ((sine, cosine, ""), (cosine, sine, "-")):
+            name = self._names[each.number]
+            self.rows.setdefault(each.number, f"{self._called}{len(self.rows)}")
+            between = self._sums_ahead.setdefault((row, self.rows[each.number]), f"_a{len(self._sums_ahead)}")
+            lines.append((f"{name}b", f"fma({self._coefficient(turning.rate)}, {self.rows[each.number]}[1], {between})"))
+            lines.append((f"{name}q", f"fma({w}, {name}a, {name}b)"))
+            lines.append((f"{name}d", f"fma({sign}{w}, {self._names[then.number]}w, _next * {name}b)"))
+            self._carried[f"{name}r"] = f"{w} * {self._names[each.number]}", f"{name}q"
+        self._lines[node.number] += lines
+        return ""
+
+    def rate_of(self, turned: Sym) -> str:
+        """The coefficient of the rate of w sin q or w cos q, but for what the rate of w gives."""
+        self._coefficient(turned)
+        return f"{self._names[turned.number]}d"
+
     def _solved(self, node: Sym) -> str:
         """The solution of linear equations A x = b, all of it at once: A_0 x_m is b_m without the products of A's coefficients and x's."""
         system, left = self.graph.linear[node.number], []
-        for row, b in zip(system.rows, system.right, strict=True):
-            text = self._linear(self._form(b))
-            for entry, x in zip(row, system.unknowns, strict=True):
+        equations, rates = self._solving(system), dict[str, dict[int, Sym]]()
+        for i, equation in enumerate(equations):
+            text = self._linear(self._form(equation.right))
+            for factor, turned, _ in equation.rates:
+                of_rate = rates.setdefault(self.rate_of(turned), {})
+                of_rate[i] = of_rate[i] + factor if i in of_rate else factor
+            for entry, x in zip(equation.entries, system.unknowns, strict=True):
                 if self._varies(entry):
                     term, factor = self._of_term(entry)
                     held = f"fma(-{self._value(factor * x)}, {self._coefficient(term)}, {text})"
@@ -340,6 +409,9 @@ class RowWriter:
             for of, (name, rest) in zip(system.inverse[k], left, strict=True):
                 if not is_zero(of) and rest != ZERO:
                     text = f"{self._value(of)} * {name}" if text == ZERO else f"fma({self._value(of)}, {name}, {text})"
+            for name, factors in rates.items():  # known last
+                of = sum((system.inverse[k][i] * factor for i, factor in factors.items()), self.graph.constant(0.0))
+                text = text if is_zero(of) else f"fma(-{self._value(of)}, {name}, {text})"
             lines.append((self._names[x.number], text))
         return ""
 
@@ -349,11 +421,22 @@ class RowWriter:
         w = self.w
         for row in (*self.rows.values(), *self._rates.values()):
             if row not in self._given.values():
-                w.line(row, f"row({self.order + 1})")
+                w.line(row, f"row({self.order + 1 + bool(self._ahead)})")
         for name, (first, _) in self._carried.items():
             w.line(name, f"1.0 * {first}")
+        for row in dict.fromkeys(row for rows in (*self._sums, *self._sums_ahead) for row in rows) if self._in_halves else ():
+            w.line(f"{row}[0]", ZERO)
+            if row not in self._given.values():
+                w.line(f"{row}[1]", ZERO)
+        for row in dict.fromkeys(row for row, _ in self._sums_ahead):
+            w.line(f"{row}[2]", ZERO)
+        for number, (name, _) in self._ahead.items():
+            w.line(f"{self.rows[number]}[1]", f"1.0 * {name}")
         w.begin(f"for m in {'each' if self.out else 'range'}(1, {self.order + 1})")
         w.line("_inverse", "1 / m")
+        if self._ahead:
+            w.line("_next", "1.0 * (m + 1)")
+            w.line("_ahead", "1.0 / _next")
         self._write_sums()
         for term in self._order:
             for name, text in self._lines[term.number]:
@@ -371,6 +454,9 @@ class RowWriter:
     def _write_sums(self) -> None:
         """Lines that depend on earlier coefficients alone."""
         w = self.w
+        if self._in_halves:
+            self._write_halves()
+            return
         for name in self._sums.values():
             w.line(name, ZERO)
         squares = {rows: name for rows, name in self._sums.items() if rows[0] == rows[1] and self.out}
@@ -379,6 +465,42 @@ class RowWriter:
         for name in squares.values():
             w.line(name, f"{name} + {name}")
         self._write_products("middle", squares)
+
+    @property
+    def _in_halves(self) -> bool:
+        """Whether sums of products are two halves at once, which do not wait for one another: of long series, where sums are few."""
+        return bool(self.graph.linear) and not self.out
+
+    def _write_halves(self) -> None:
+        """The same from the middle, m // 2, to both ends: there one product or, where m is odd, a pair, and then pairs.
+
+        The coefficients that are known last come last. Rows begin with zeros, so that there is nothing for m = 1.
+        """
+        w, middle = self.w, "m >> 1"
+        if not self._sums and not self._sums_ahead:
+            return
+        w.line("_odd", f"1.0 * (m - ({middle}) - ({middle}))")
+        for (first, second), name in self._sums.items():
+            w.line(name, ZERO if first == second else f"{first}[{middle}] * {second}[m - ({middle})]")
+            if first != second:
+                w.line(f"{name}o", f"_odd * {first}[m - ({middle})] * {second}[{middle}]")
+        for (first, second), name in self._sums_ahead.items():  # the outermost two are not among them
+            w.line(name, f"_odd * {first}[({middle}) + 1] * {second}[({middle}) + 1]")
+            w.line(f"{name}o", ZERO)
+        w.begin(f"for j in range(1, {middle})")
+        for (first, second), name in self._sums.items():
+            w.line(name, f"fma({first}[({middle}) - j], {second}[m - ({middle}) + j], {name})")
+            if first != second:
+                w.line(f"{name}o", f"fma({first}[m - ({middle}) + j], {second}[({middle}) - j], {name}o)")
+        for (first, second), name in self._sums_ahead.items():
+            w.line(name, f"fma({first}[({middle}) - j + 1], {second}[m - ({middle}) + j], {name})")
+            w.line(f"{name}o", f"fma({first}[m - ({middle}) + j], {second}[({middle}) - j + 1], {name}o)")
+        w.end()
+        for (first, second), name in self._sums.items():
+            of_square = f"fma((1.0 + _odd) * {first}[{middle}], {first}[m - ({middle})], {name} + {name})"
+            w.line(name, of_square if first == second else f"{name} + {name}o")
+        for (first, second), name in self._sums_ahead.items():
+            w.line(name, f"fma({first}[1], {second}[m], {name} + {name}o)")
 
     def _write_products(self, over: str, sums: dict[tuple[str, str], str]) -> None:
         w = self.w
@@ -390,7 +512,9 @@ class RowWriter:
 
     def _keep(self, term: Sym) -> None:
         name = self._names[term.number]
-        if term.number in self.rows and term.number not in self._given:
+        if term.number in self._ahead:
+            self.w.line(f"{self.rows[term.number]}[m + 1]", f"1.0 * {name}a")
+        elif term.number in self.rows and term.number not in self._given:
             self.w.line(f"{self.rows[term.number]}[m]", name)
         if term.number in self._rates:
             state = self._states.get(term.number)

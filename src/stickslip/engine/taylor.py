@@ -11,9 +11,10 @@ from __future__ import annotations
 from stickslip.basics.status import Status
 from stickslip.engine.coupled import SLIP
 from stickslip.engine.kernel_text import function
+from stickslip.engine.linear_systems import least_of
 from stickslip.engine.rosenbrock_step import Step, ended_by, sides
 from stickslip.engine.roundings import hold_sizes
-from stickslip.engine.rows import write_rows
+from stickslip.engine.rows import RowWriter, write_rows
 from stickslip.engine.steptext import bound, held
 from stickslip.engine.symbols import CASE, Sym
 from stickslip.engine.system import System, TracedContact, TracedSwitch
@@ -104,12 +105,13 @@ class _SeriesWriter:
         self.rising = active(eq, "exp") | active(eq, "tanh")
         self.quotients = active(eq, "reciprocal")
         self.start = bound(eq)
+        self._far = self._out_of_reach()  # by number of a guard that is such a border, what it is at least, whatever angles are
         self.w.count_uses([*eq.active, *eq.guards])
 
     def write(self) -> Step:
         """All lines in order."""
         self.period = self._value(self.eq.period)
-        wanted = [*(guard for _, guard in self.watched), *(node.args[0] for node in self.rising), *self.quotients]
+        wanted = [*(guard for k, guard in self.watched if k not in self._far), *(node.args[0] for node in self.rising), *self.quotients]
         self.rows = write_rows(self.eq.y, self.eq.f, wanted, self.w, self.start, self.order)
         self.w.line("_ratio", "1.0")
         self._length()
@@ -124,6 +126,14 @@ class _SeriesWriter:
             self._hold(node)
         hold_sizes(self.eq, self.w.case_nodes)
         return Step(tuple(self.w.lines), tuple(self._fields()), tuple(self.w.case_nodes), self.order, series=True)
+
+    def _out_of_reach(self) -> dict[int, Sym]:
+        far = {}
+        for k, guard in self.watched if self.order != ORDER else ():
+            if k in self.eq.switches and self.eq.switches[k].status == Status.PAINLEVE and self.eq.graph.varies(guard):
+                bound = least_of(guard)
+                far |= {} if bound is None else {k: bound}
+        return far
 
     def _fields(self) -> list[str]:
         eq, states, orders = self.eq, range(self.eq.states), range(self.order + 1)
@@ -162,10 +172,11 @@ class _SeriesWriter:
             self._limit_before()
         if self.eq.sizes:  # nothing says how long a step is but the states: what a guard may leave out is measured within theirs
             self._limit_by(self._of_states())
-            self._limit_by(self._of_guards("_hh"))
+            self._limit_by([*self._of_guards("_hh", self.watched), *self._of_quotients()])
         else:
-            self._limit_by([*self._of_states(), *self._of_guards("_longest")])
-        self._limit_by_borders()
+            self._limit_by([*self._of_states(), *self._of_guards("_longest", self.watched), *self._of_quotients()])
+        self._limit_by_borders([pair for pair in self.watched if pair[0] not in self._far])
+        self._borders_in_reach()
         w.line("_rem", "_tend - _t")
         w.line("_last", "1.0 if _rem <= _hh * 1.0000001 else 0.0")
         w.line("_hh", "_rem if _last > 0.5 else _hh")
@@ -181,10 +192,34 @@ class _SeriesWriter:
         w.line("_wider", f"{literal(1.0 / WIDER)} * _wider")
         w.end()
 
-    def _limit_by_borders(self) -> None:
+    def _borders_in_reach(self) -> None:
+        """The series of borders which no angle may reach are written, and asked, only where it may; else they are nothing but a number."""
+        w, pairs = self.w, [pair for pair in self.watched if pair[0] in self._far]
+        if not pairs:
+            return
+        for _, guard in pairs:  # asked inside and outside
+            self._value(guard)
+        rows = {guard.number: w.line(f"_z{n}", f"row({self.order + 1})") for n, (_, guard) in enumerate(pairs)}
+        w.begin(f"for m in range(1, {self.order + 1})")
+        for row in rows.values():
+            w.line(f"{row}[m]", "0.0")
+        w.end()
+        w.begin(f"if {' or '.join(f'{self._value(self._far[k])} <= 0.0' for k, _ in pairs)}")
+        written = RowWriter(self.eq.y, [], [guard for _, guard in pairs], w, self.start, self.order, self.rows, called="_b")
+        written.write()
+        w.begin(f"for m in range(1, {self.order + 1})")
+        for number, row in rows.items():
+            w.line(f"{row}[m]", f"1.0 * {written.rows[number]}[m]")
+        w.end()
+        self.rows |= rows
+        self._limit_by(self._of_guards("_longest", pairs))
+        self._limit_by_borders(pairs)
+        w.end()
+
+    def _limit_by_borders(self, pairs: list[tuple[int, Sym]]) -> None:
         """Keep it to half of the way to where loads that follow from the motion are infinite: nothing there has a series."""
         w = self.w
-        for k, guard in self.watched:
+        for k, guard in pairs:
             if k in self.eq.switches and self.eq.switches[k].status == Status.PAINLEVE and guard.number in self.rows:
                 value, row = self._value(guard), self.rows[guard.number]
                 size = horner([f"abs({c})" for c in (value, f"{row}[1]", f"{row}[2]")], "_longest")
@@ -211,14 +246,19 @@ class _SeriesWriter:
         scales = (*eq.sizes, *passive) if eq.sizes else (*(eq.velocity_scale for _ in eq.offsets), *eq.scales[eq.coordinates :])
         return [(y, f"{literal(ROUNDING)} * {self._value(s)}") for y, s in zip(eq.y, scales, strict=True) if s is not None]
 
-    def _of_guards(self, reach: str) -> list[tuple[Sym, str]]:
-        """The same of the guards, which are as large as they become within some time, and of quotients."""
+    def _of_guards(self, reach: str, pairs: list[tuple[int, Sym]]) -> list[tuple[Sym, str]]:
+        """The same of guards, which are as large as they become within some time."""
         sizes = []
-        for _, guard in self.watched:
+        for _, guard in pairs:
             if guard.number in self.rows:
                 low = [self._value(guard), *(f"{self.rows[guard.number]}[{m}]" for m in (1, 2, 3))]
                 size = horner([f"abs({c})" for c in low], reach)
                 sizes.append((guard, f"{literal(ROUNDING)} * ({size} + {self._size_of_slip(guard) or '1e-290'})"))
+        return sizes
+
+    def _of_quotients(self) -> list[tuple[Sym, str]]:
+        """The same of quotients."""
+        sizes = []
         for quotient, ways in self.quotients.items():
             near = literal(NEAR_POLE if self.order == ORDER else 2.0**-self.order)
             sizes.append((quotient, f"{near} * abs({self._value(quotient)}) if {self._counts(ways)} else 1e300"))

@@ -52,9 +52,10 @@ def start_states(model: Model, labels: Labels, start: Any, problems: Problems, m
     fill = _Filling(parts, given, labels, problems)
     _move(m, model, fill, q, u)
     places, rates = _numbers(q), _numbers(u)
-    loads = m.loads(0.0, places, rates)
-    _check_loads(m, [_without_friction(m, i, load, places, rates) for i, load in enumerate(loads)] if m.joined else loads, problems)
+    loads = [_looked_at(m, i, places, rates) for i in range(len(m.contacts))] if m.joined else m.loads(0.0, places, rates)
+    _check_loads(m, loads, problems)
     if inner:
+        loads = m.loads(0.0, places, rates) if m.joined else loads
         _begin(m, places, rates, loads, z)
         fill.into("z", z)
     if held:
@@ -230,15 +231,17 @@ def _check_distances(mechanics: Mechanics, x: Array, q: Array, v: Array, u: Arra
             problems.add(f"start {what} of {name!r} {why}; give {what} for all bodies that it joins")
 
 
-def _without_friction(m: Any, i: int, load: Any, places: Any, rates: Any) -> Any:
+def _looked_at(m: Any, i: int, places: Any, rates: Any) -> Any:
     """A load that is given; of one that follows from the motion, where friction makes it negative and the rest does not, 1.
 
-    What presses without friction is a contact: whether a load follows is for a run to say. A rail is one always.
+    What presses without friction is a contact: whether a load follows is for a run to say. A rail is one always, and what may fly is
+    asked for its height.
     """
     touching = m.touching[i]
-    if not touching.is_held or m.laws[i].flies:
-        return load
-    return np.where(m.free_reaction(i, 0.0, places, rates) >= 0.0, np.maximum(load, 1.0), load) if touching.pushes else 1.0
+    if touching.is_held and (m.laws[i].flies or not touching.pushes):
+        return 1.0
+    load = m.load(i, 0.0, places, rates)
+    return np.where(m.free_reaction(i, 0.0, places, rates) >= 0.0, np.maximum(load, 1.0), load) if touching.is_held else load
 
 
 def _check_loads(mechanics: Mechanics, loads: Any, problems: Problems) -> None:
