@@ -55,7 +55,8 @@ def run(todo: Request, tableau: lanes.AnySteps, rtol: float) -> Trajectory | Sum
     if status > Status.REPEATS and status not in ENDS:
         checks.check_numbers(todo.model)
         t = (float(results.pieces[-1, 0]) * table.span[0] + float(results.pieces[-1, 2])) if len(results.pieces) else 0.0
-        raise SolveError(_stopped(todo, results, kernel, table, 0, t, results.pieces[:, 4 : 4 + kernel.contacts]), status)
+        sides = results.pieces[:, 4 : 4 + kernel.contacts]
+        raise SolveError(_stopped(todo, results, kernel, table, 0, t, sides), stopped.rattling(status, sides))
     counts = {"steps": int(results.accepted[0]), "rejected": int(results.rejected[0])}
     return trajectory(todo, method, _pieces(results.pieces, kernel, table, todo.periods), counts, status if status in ENDS else 0)
 
@@ -71,11 +72,11 @@ def run_of_two(todo: Request, first: Any, one: tuple[lanes.AnySteps, float], oth
 
 def _stopped(todo: Request, results: lanes.Results, kernel: lanes.Kernel, table: CaseTable, case: int, t: float, sides: Any) -> str:
     """The message of a run, or of one of the cases of a table, that could not be finished."""
-    mechanics, status = machine_of(table.model_of(case)).mechanics, int(results.status[case])
+    mechanics, status = machine_of(table.model_of(case)).mechanics, stopped.rattling(int(results.status[case]), sides)
     q, u, _ = table.ends(results)
     done = "" if todo.model.period is None else f" after {results.periods_run[case]} of {todo.periods} periods,"
     where = stopped.location(mechanics, t, u[case], sides, q[case])
-    remedy = stopped.remedy(status, todo.rtol, bool(mechanics.stops))
+    remedy = stopped.remedy(status, todo.rtol, bool(mechanics.stops), mechanics.together)
     state = _state(results.end[case], table.offsets[case], kernel.layout)
     return stopped.stopping_message(status, f"{done.lstrip()} {where}".strip(), state, remedy)
 

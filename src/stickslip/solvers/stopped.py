@@ -11,6 +11,7 @@ from stickslip.basics.status import STATUS, Status
 
 #: Steps, or events, before the end of a run whose changes of mode are counted.
 LAST = 1000
+_OFTEN = 0.25  # of the last steps: so many change a mode where a run chatters
 #: Cases of a batch that ended before their time of which the first have a message.
 FAILURES = 20
 _SMOOTHER = (
@@ -27,7 +28,34 @@ STIFF = (
     "So many steps are taken where something is much faster than the rest, as a current, a stiff bristle or a controller is: type "
     'method="radau", whose steps do not follow it, or method="auto"'
 )
+_RATTLES = (
+    "Such a machine rattles: what one of its contacts does undoes what another one did, as where friction at one foot lifts the other. A "
+    "position in which forces could rest is not one to which hits lead then: give another friction coefficient, another restitution=, or "
+    "shorten duration= or periods= to before this instant"
+)
 _STOPS = 'If hits on a stop follow one another without end until it is pressed for a while, type method="dop853" (SciPy: slower)'
+
+
+def rattling(status: int, sides: Array | None) -> int:
+    """The status of a run that has used up its steps, which says that it chatters where its last steps were changes of modes.
+
+    Parameters
+    ----------
+    status : int
+    sides : array (steps, contacts), or None
+        Modes of the contacts in the last steps, where they are known.
+
+    Examples
+    --------
+    >>> rattling(Status.BUDGET, np.arange(1000)[:, None] % 2) == Status.CHATTERS
+    True
+    >>> rattling(Status.BUDGET, np.zeros((1000, 1))) == Status.BUDGET
+    True
+    """
+    if status != Status.BUDGET or sides is None or len(sides) < LAST:
+        return status
+    changed = np.count_nonzero(np.any(np.diff(sides[-LAST:], axis=0), axis=1))
+    return int(Status.CHATTERS) if changed >= LAST * _OFTEN else status
 
 
 def location(mechanics: Any, t: float, u: Any, sides: Array | None, q: Any = ()) -> str:
@@ -73,8 +101,8 @@ def stopping_message(status: int, where: str, state: str, remedy: str) -> str:
     return f"the run stopped {where}: {STATUS[status]}; the state was {state}. {remedy}"
 
 
-def remedy(status: int, rtol: float, stops: bool) -> str:
-    """A suggestion after a failed run."""
+def remedy(status: int, rtol: float, stops: bool, several: bool = False) -> str:
+    """A suggestion after a failed run of a machine, which may have stops, or several contacts that are decided together."""
     if status == Status.LOST:
         return LOST
     if status == Status.PAINLEVE:
@@ -82,6 +110,6 @@ def remedy(status: int, rtol: float, stops: bool) -> str:
     if stops:
         return _STOPS
     if status == Status.CHATTERS:
-        return _SMOOTHER
+        return _RATTLES if several else _SMOOTHER
     judge = 'method="radau" (SciPy on the law in plain Python: slower)'
     return f"Try another rtol (now {rtol:g}) or start, check the law's numbers, or type {judge}"

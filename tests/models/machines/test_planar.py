@@ -12,7 +12,7 @@ from rows import each_row
 BOT = ss.presets.bristle_bot(unbalance=4e-7)
 #: Machines, where they begin, and how long they take for 20 events and for a few.
 RUNS = {
-    "bristle-bot": (ss.presets.bristle_bot(), {"bend": 0.01}, 11, 2),
+    "bristle-bot": (ss.presets.bristle_bot(), {}, 11, 2),
     "bristle-bot under Coulomb friction": (ss.presets.bristle_bot(law="coulomb", unbalance=5e-6), {}, 9, 3),
     "cart and pole": (ss.presets.cart_pole(), {"angle": 0.5}, 10, 1),
     "block on a wedge": (ss.presets.block_on_wedge(), {}, 11, 2),

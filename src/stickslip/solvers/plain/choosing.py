@@ -143,7 +143,9 @@ def _at_once(e: Equations, t: float, y: ArrayLike, mode: ContactModes, problem: 
     own = {n: forced[i] for n, i in enumerate(problem.rows) if i in forced}
     lo, hi = [limits[i][0] for i in problem.rows], [limits[i][1] for i in problem.rows]
     ranks = _ranks(e, t, problem, push)
-    return decide(AtZero(problem.G, problem.part(push), lo, hi, (kinetic[0], kinetic[1]), own, problem.rested, ranks))
+    bare = [n for n, (low, high) in enumerate(zip(lo, hi, strict=True)) if low == high == 0.0]  # what nothing holds, the load says the size
+    small = ROUNDING * max((abs(loads.forwards[problem.rows[n]]) * problem.G[n, n] for n in bare), default=0.0)
+    return decide(AtZero(problem.G, problem.part(push), lo, hi, (kinetic[0], kinetic[1]), own, problem.rested, ranks, small))
 
 
 def _ranks(e: Equations, t: float, problem: _Problem, push: Sequence[float]) -> list[int] | None:

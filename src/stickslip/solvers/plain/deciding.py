@@ -159,8 +159,10 @@ def _decide(block: AtZero) -> tuple[Sequence[float], Sequence[int]]:
 
 
 def _single(block: AtZero) -> tuple[list[float], list[int]]:
-    """One contact: what would hold it, clipped to its limits."""
+    """One contact: what would hold it, clipped to its limits; of one that nothing holds an error of beta is no force."""
     R, lo, hi = float(block.beta[0] / block.G[0, 0]), float(block.lo[0]), float(block.hi[0])
+    if lo == hi and abs(R - lo) * block.G[0, 0] <= block.small:
+        R = lo
     side = block.forced.get(0, 1 if hi < R else -1 if lo > R else 0)
     return [block.force(0, side) if side else R], [side]
 
