@@ -162,6 +162,21 @@ def checked_arguments(make: Callable[..., Any], given: dict[str, Any], problems:
     return {name: checked_number(name, value, problems, *rules[name]) for name, value in given.items() if name in rules}
 
 
+def checked_numbers(make: Callable[..., Any], **given: Any) -> dict[str, Any]:
+    """The same of a maker that has no other mistakes to report with them; an `InputError` says what is wrong with all of them.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> checked_numbers(ss.presets.cart_pole, frequency=0.5)
+    {'frequency': 0.5}
+    """
+    problems = Problems(make.__name__)
+    numbers = checked_arguments(make, given, problems)
+    problems.check()
+    return numbers
+
+
 @functools.lru_cache(maxsize=64)
 def _rules(make: Callable[..., Any]) -> dict[str, tuple[Any, str, str, str | None]]:
     """Rules for the numbers among a maker's arguments: rule, its description, an example, and the unit."""

@@ -27,6 +27,11 @@ def kinetic_of_machine(model: Any, q: Mapping[str, Any], u: Mapping[str, Any]) -
     return _said(model, "kinetic", q, u)
 
 
+def outlines_of_machine(model: Any, t: Any, q: Mapping[str, Any]) -> Any:
+    """Lines that pictures of a machine draw, each through some points (x, z); None where it does not say."""
+    return _said(model, "outlines", t, q)
+
+
 def _said(model: Any, name: str, *arguments: Any) -> Any:
     """What a method of a machine gives; a field of that name is none."""
     method = getattr(model, name, None)

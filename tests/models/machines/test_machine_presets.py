@@ -15,8 +15,8 @@ from stickslip.models.naming import axis_of
 OF_ROBOTS = ("piezo_rig", "piezo_beam_rig", "coulomb_robot")
 PRESETS = tuple(name for name in ss.presets.PRESETS if name not in OF_ROBOTS)
 LENGTH = {"servo": {"duration": 2.0}, "mode_coupling": {"duration": 5.0}}
-#: Where other numbers than the defaults are begun with: a spring beside which damping means something, friction below Painlevé's.
-BESIDE = {"cart_pole": {"stiffness": 2.0}, "sliding_rod": {"mu": 0.3, "push": 3.0}}
+#: Where other numbers than the defaults are begun with: a spring beside which damping means something, a number that is None.
+BESIDE = {"cart_pole": {"stiffness": 2.0}, "bristle_bot": {"drag": 1.0}}
 #: Values of numbers that are 0 or not given by default, or that have a border near it.
 VALUES = {"count": [2, 3], "sample": [0.01, 0.02], "static": [1.5, 2.0], "gear_damping": [0.0]}
 

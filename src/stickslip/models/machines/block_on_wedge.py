@@ -6,12 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+import numpy as np
+
 from stickslip.basics.maths import cos, pi, sin
 from stickslip.basics.quantities import DAMPING, GRAVITY, STIFFNESS, Rule, positive, quantity
 from stickslip.models.machines.in_the_plane import PUSH, PUSHED_AT, PushedOnSpring
 from stickslip.models.machines.parts import Body, Contact
 
 _STEEP = Rule(lambda slope: (slope > -pi / 2) & (slope < pi / 2), "an angle between -pi/2 and pi/2 [rad]")
+_SHOWN = 0.1  # m: how far beyond its block pictures draw the wedge
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +74,14 @@ class BlockOnWedge(PushedOnSpring):
     def places(self, t: Any, q: Any) -> dict[str, Any]:
         """The upper end of the face, at the height 0, and the block on it."""
         return {"wedge": (q["x"], 0.0), "block": (q["x"] + q["down"] * cos(self.slope), -q["down"] * sin(self.slope))}
+
+    def outlines(self, t: Any, q: Any) -> list[Any]:
+        """The wedge, down to a little beyond where the block gets in these instants."""
+        down = np.asarray(q["down"])
+        low, high = min(0.0, float(np.min(down))) - _SHOWN, max(0.0, float(np.max(down))) + _SHOWN
+        along, fallen = cos(self.slope), sin(self.slope)
+        top, foot = (q["x"] + low * along, -low * fallen), (q["x"] + high * along, -high * fallen)
+        return [(top, foot, (top[0], foot[1]), top)]
 
     def contacts(self) -> Mapping[str, Any]:
         """The face."""

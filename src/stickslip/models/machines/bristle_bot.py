@@ -164,6 +164,11 @@ class BristleBot(InThePlane):
         angle = self.tilt + q["bend"]
         return {"body": (q["x"], self.length * cos(angle)), "tip": (q["x"] - self.length * sin(angle), 0.0)}
 
+    def outlines(self, t: Any, q: Any) -> list[Any]:
+        """A bristle, from its tip to the body."""
+        places = self.places(t, q)
+        return [(places["tip"], places["body"])]
+
     def links(self) -> Mapping[Any, Any]:
         """The springs of the bristles."""
         return {("bend", None): Spring(self.stiffness, self.damping, length=self.relaxed - self.tilt)}

@@ -78,6 +78,11 @@ class CartPole(PushedOnSpring):
         """The cart at the height 0, and the bob."""
         return {"cart": (q["x"], 0.0), "bob": (q["x"] + self.length * sin(q["angle"]), -self.length * cos(q["angle"]))}
 
+    def outlines(self, t: Any, q: Any) -> list[Any]:
+        """The rod from the cart to the bob."""
+        places = self.places(t, q)
+        return [(places["cart"], places["bob"])]
+
     def contacts(self) -> Mapping[str, Any]:
         """The rail."""
         return {"rail": Contact("cart", self.friction, hold="both")}

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+import numpy as np
+
 from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.maths import cos, pi, sin, sqrt
@@ -119,6 +121,13 @@ class ModeCoupling(Machine):
     def places(self, t: Any, q: Any) -> dict[str, Any]:
         """The pad."""
         return {"pad": (q["x"], q["z"])}
+
+    def outlines(self, t: Any, q: Any) -> list[Any]:
+        """The springs, as long as pictures have room for them, and the belt."""
+        reach = 1.5 * float(max(np.max(abs(np.asarray(q[name]))) for name in ("x", "z"))) or 1.0
+        pad, belt = (q["x"], q["z"]), -0.8 * reach
+        walls = [(reach * cos(angle), reach * sin(angle)) for angle in (self.alpha1, self.alpha2)]
+        return [*((pad, wall) for wall in walls), (pad, (q["x"], belt)), ((-reach, belt), (reach, belt))]
 
     def forces(self, t: Numeric, q: Any, u: Any) -> dict[str, Any]:
         """Those of the springs, with that of the contact over the preload, and of the damping."""

@@ -97,6 +97,10 @@ class SlidingRod(InThePlane):
         half = 0.5 * self.length
         return {"rod": (q["x"] + half * cos(q["angle"]), half * sin(q["angle"]), q["angle"])}
 
+    def outlines(self, t: Any, q: Any) -> list[Any]:
+        """From its foot to its other end."""
+        return [((q["x"], 0.0), (q["x"] + self.length * cos(q["angle"]), self.length * sin(q["angle"])))]
+
     def forces(self, t: Numeric, q: Any, u: Any) -> dict[str, Any]:
         """The push on its foot."""
         return {"x": self.push * sin(self.omega * t)}

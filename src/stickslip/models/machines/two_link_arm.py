@@ -102,6 +102,12 @@ class TwoLinkArm(InThePlane):
             "lower": (x + self.lower_centre * sin(b), z - self.lower_centre * cos(b), b),
         }
 
+    def outlines(self, t: Any, q: Any) -> list[Any]:
+        """From the shoulder to the elbow, and as far again."""
+        a, b = q["shoulder"], q["shoulder"] + q["elbow"]
+        elbow = self.length * sin(a), -self.length * cos(a)
+        return [((0.0, 0.0), elbow, (elbow[0] + self.length * sin(b), elbow[1] - self.length * cos(b)))]
+
     def forces(self, t: Numeric, q: Any, u: Any) -> dict[str, Any]:
         """The torques of the motors."""
         beat = sin(self.omega * t)

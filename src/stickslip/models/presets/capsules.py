@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any
 
-from stickslip.basics.arguments import checked_arguments, explains_arguments
-from stickslip.basics.errors import Problems
+from stickslip.basics.arguments import checked_numbers, explains_arguments
 from stickslip.basics.quantities import BODY_MASS, DAMPING, GRAVITY, INNER_MASS, PERIOD, STIFFNESS, at_least, positive, quantity
 from stickslip.models.drives import HarmonicForce, Pulses
 from stickslip.models.friction import Coulomb
@@ -111,9 +110,7 @@ def capsule(
     >>> print(f"{ss.mean_velocity(forwards):.9f}", ss.mean_velocity(back) < 0)
     0.165538437 True
     """
-    problems = Problems("capsule")
-    n = checked_arguments(capsule, {"damping_ratio": damping_ratio, "mass_ratio": mass_ratio}, problems)
-    problems.check()
+    n = checked_numbers(capsule, damping_ratio=damping_ratio, mass_ratio=mass_ratio)
     damping, ratio = n["damping_ratio"], n["mass_ratio"]
     force = HarmonicForce(force_ratio, omega, phase=0.5 * math.pi)
     drive = Forced(force, stiffness=1.0, damping=2 * damping, stops=(Stop(gap=gap, stiffness=stop_stiffness),), reaction=reaction)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any
 
-from stickslip.basics.arguments import checked_arguments, explains_arguments
-from stickslip.basics.errors import InputError, Problems, is_one_of
+from stickslip.basics.arguments import checked_numbers, explains_arguments
+from stickslip.basics.errors import InputError, is_one_of
 from stickslip.basics.fields import described_by
 from stickslip.basics.quantities import GRAVITY, Rule, at_least, positive, quantity
 from stickslip.models.friction import Coulomb, CoulombViscous
@@ -28,8 +28,8 @@ _DEGREES = math.pi / 180
 def bristle_bot(
     frequency: Annotated[Any, quantity("frequency of the rotor", "Hz", "f", example=15.0, rule=positive)] = 15.0,
     unbalance: Annotated[Any, described_by(BristleBot, "unbalance")] = 1e-6,
-    drag: Annotated[Any, described_by(Lubricated, "mu")] = 1.0,
-    mu: Annotated[Any, MU] = 0.3,
+    drag: Annotated[Any, described_by(Lubricated, "mu")] = None,
+    mu: Annotated[Any, MU] = None,
     tilt_deg: Annotated[Any, quantity("tilt of the bristles", "degrees", r"\alpha", example=25.0, rule=_BELOW_90)] = 25.0,
     length: Annotated[Any, described_by(BristleBot, "length")] = 0.01,
     stiffness: Annotated[Any, described_by(BristleBot, "stiffness")] = 0.015,
@@ -51,9 +51,9 @@ def bristle_bot(
     unbalance : float or array
         Mass of the rotor times the distance of its centre of mass from its axis [kg m].
     drag : float or array
-        Of "lubricated": friction for each newton of load and each m/s [s/m].
+        Of "lubricated": friction for each newton of load and each m/s, 1 where it is not given [s/m].
     mu : float or array
-        Of "coulomb": friction coefficient, the same both ways and at rest [-].
+        Of "coulomb": friction coefficient, the same both ways and at rest, 0.3 where it is not given [-].
     tilt_deg : float or array
         Angle of the bristles from the vertical while the robot stands [degrees].
     length : float or array
@@ -84,8 +84,12 @@ def bristle_bot(
     if not is_one_of(law, ("lubricated", "coulomb")):
         allowed = 'allowed are "lubricated" and "coulomb"; for another one type .replace(friction=...)'
         raise InputError("bristle_bot", [f"law = {law!r}; {allowed}"])
-    n = _checked(bristle_bot, frequency=frequency, tilt_deg=tilt_deg)
-    friction = Lubricated(drag) if law == "lubricated" else Coulomb(mu, mu)
+    n = checked_numbers(bristle_bot, frequency=frequency, tilt_deg=tilt_deg)
+    name, value, other = ("mu", mu, "coulomb") if law == "lubricated" else ("drag", drag, "lubricated")
+    if value is not None:
+        raise InputError("bristle_bot", [f'{name} = {value!r} is of other friction than law="{law}"; leave it out, or type law="{other}"'])
+    mu = 0.3 if mu is None else mu
+    friction = Lubricated(1.0 if drag is None else drag) if law == "lubricated" else Coulomb(mu, mu)
     omega = 2 * math.pi * n["frequency"]
     return BristleBot(mass, length, _DEGREES * n["tilt_deg"], stiffness, damping, unbalance, omega, friction, along, gravity)
 
@@ -132,7 +136,7 @@ def cart_pole(
     >>> print(f"the rail bears {run.load.min():.1f} to {run.load.max():.1f} N; the weight is {1.3 * 9.81:.1f} N")
     the rail bears 9.8 to 19.0 N; the weight is 12.8 N
     """
-    n = _checked(cart_pole, frequency=frequency)
+    n = checked_numbers(cart_pole, frequency=frequency)
     return CartPole(cart, bob, length, Coulomb(mu, mu), push, 2 * math.pi * n["frequency"], stiffness, damping, gravity)
 
 
@@ -181,17 +185,17 @@ def block_on_wedge(
     >>> print(f"it creeps down by {(at[1] - at[0]) * 100:.4f} mm in each period")
     it creeps down by 15.6967 mm in each period
     """
-    n = _checked(block_on_wedge, slope_deg=slope_deg, frequency=frequency)
+    n = checked_numbers(block_on_wedge, slope_deg=slope_deg, frequency=frequency)
     omega = 2 * math.pi * n["frequency"]
     return BlockOnWedge(wedge, block, _DEGREES * n["slope_deg"], Coulomb(mu, mu), push, omega, stiffness, damping, gravity)
 
 
 @explains_arguments
 def sliding_rod(
-    mu: Annotated[Any, MU] = 1.5,
+    mu: Annotated[Any, MU] = 0.3,
     length: Annotated[Any, described_by(SlidingRod, "length")] = 1.0,
     mass: Annotated[Any, quantity("mass", "kg", "m", example=1.0, rule=positive)] = 1.0,
-    push: Annotated[Any, described_by(SlidingRod, "push")] = 0.0,
+    push: Annotated[Any, described_by(SlidingRod, "push")] = 8.0,
     frequency: Annotated[Any, _PUSHED] = 0.8,
     gravity: Annotated[Any, GRAVITY] = 9.81,
 ) -> SlidingRod:
@@ -218,11 +222,11 @@ def sliding_rod(
     --------
     >>> import stickslip as ss
     >>> start = {"x": {"angle": 1.5}, "v": {"x": 3.0, "angle": -1.0}}
-    >>> run = ss.solve(ss.presets.sliding_rod(), duration=0.5, start=start)
+    >>> run = ss.solve(ss.presets.sliding_rod(mu=1.5, push=0.0), duration=0.5, start=start)
     >>> print(f"it ends at {math.degrees(run.coordinates['angle'][-1]):.6f} degrees")
     it ends at 73.048469 degrees
     """
-    n = _checked(sliding_rod, frequency=frequency)
+    n = checked_numbers(sliding_rod, frequency=frequency)
     return SlidingRod(mass, length, Coulomb(mu, mu), push, 2 * math.pi * n["frequency"], gravity)
 
 
@@ -260,7 +264,7 @@ def two_link_arm(
     >>> [name for name, joint in run.contacts.items() if (joint.mode == 0).any()]
     ['shoulder', 'elbow']
     """
-    n = _checked(two_link_arm, frequency=frequency, friction=friction)
+    n = checked_numbers(two_link_arm, frequency=frequency, friction=friction)
     s = n["friction"]
     shoulder = CoulombViscous(7.17 * s, 8.049 * s, viscous=2.288 * s)
     elbow = CoulombViscous(1.734 * s, 1.734 * s, viscous=0.175 * s)
@@ -307,11 +311,3 @@ def mode_coupling(
     it squeals above 0.4773, with 0.6863 Hz
     """
     return ModeCoupling(1.0, 11.0, 20.0, 150 * _DEGREES, 30 * _DEGREES, 11.0, preload, speed, Coulomb(mu, mu), damping)
-
-
-def _checked(make: Any, **given: Any) -> dict[str, Any]:
-    """Numbers that are computed with before a machine checks them."""
-    problems = Problems(make.__name__)
-    numbers = checked_arguments(make, given, problems)
-    problems.check()
-    return numbers

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any
 
-from stickslip.basics.arguments import checked_arguments, explains_arguments
-from stickslip.basics.errors import Problems
+from stickslip.basics.arguments import checked_numbers, explains_arguments
 from stickslip.basics.fields import described_by
 from stickslip.basics.quantities import GRAVITY, at_least, positive, quantity
 from stickslip.models.drives import HarmonicForce
@@ -55,9 +54,8 @@ def servo(
     >>> round(float(max(abs(0.5 - run.x[run.t > 10.0]))), 3)  # it hunts about its target [rad]
     0.038
     """
-    problems, ratio, kinetic = Problems("servo"), 50.0, 0.05
-    n = checked_arguments(servo, {"kp": kp, "ki": ki, "kd": kd, "static": static, "compensation": compensation}, problems)
-    problems.check()
+    ratio, kinetic = 50.0, 0.05
+    n = checked_numbers(servo, kp=kp, ki=ki, kd=kd, static=static, compensation=compensation)
     gains = {name: n[name] / ratio for name in ("kp", "ki", "kd")}
     pid = PID(**gains, target=target, sample=sample, feedforward=n["compensation"] * kinetic / ratio)
     friction = Coulomb(mu_plus=kinetic, mu_minus=kinetic, f_plus=n["static"] * kinetic, f_minus=n["static"] * kinetic)
@@ -111,9 +109,7 @@ def gear_joint(
     >>> joint.load.model, bool((run.contacts["joint"].mode == 0).any())
     ('m6', True)
     """
-    problems = Problems("gear_joint")
-    n = checked_arguments(gear_joint, {"frequency": frequency, "mass": mass, "length": length, "gravity": gravity}, problems)
-    problems.check()
+    n = checked_numbers(gear_joint, frequency=frequency, mass=mass, length=length, gravity=gravity)
     m, arm = n["mass"], n["length"]
     return Joint(
         inertia=_MX106["armature"] + m * arm**2, friction=Coulomb(1.0, 1.0), gravity_torque=m * n["gravity"] * arm,

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any
 
-from stickslip.basics.arguments import checked_arguments, explains_arguments
-from stickslip.basics.errors import InputError, Problems, is_one_of
+from stickslip.basics.arguments import checked_numbers, explains_arguments
+from stickslip.basics.errors import InputError, is_one_of
 from stickslip.basics.maths import cos, sin
 from stickslip.basics.quantities import FREQUENCY, GRAVITY, LOAD, MASS, STROKE, TILT_DEG, Rule, positive, quantity
 from stickslip.models.drives import Harmonic, Sawtooth
@@ -133,10 +133,9 @@ def conveyor(
     >>> print(f"{ss.mean_velocity(slides) * 1e3:.6f} mm/s without hops, {ss.mean_velocity(hops) * 1e3:.6f} mm/s with them")
     22.453808 mm/s without hops, 130.469302 mm/s with them
     """
-    problems, degrees = Problems("conveyor"), math.pi / 180
-    given = {"throw_index": throw_index, "angle_deg": angle_deg, "frequency": frequency, "tilt_deg": tilt_deg, "gravity": gravity}
-    index, angle, f, tilt, g = checked_arguments(conveyor, given, problems).values()
-    problems.check()
+    degrees = math.pi / 180
+    n = checked_numbers(conveyor, throw_index=throw_index, angle_deg=angle_deg, frequency=frequency, tilt_deg=tilt_deg, gravity=gravity)
+    index, angle, f, tilt, g = n.values()
     angle, tilt, omega = degrees * angle, degrees * tilt, 2 * math.pi * f
     amplitude = index * g * cos(tilt) / (omega**2 * sin(angle))
     along, across = (Harmonic(amplitude=amplitude * of, omega=omega) for of in (cos(angle), sin(angle)))

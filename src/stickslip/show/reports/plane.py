@@ -10,6 +10,7 @@ import numpy as np
 from stickslip.basics.contracts import Array
 from stickslip.models.link_ends import Point, body_of
 from stickslip.models.machine_adapter import machine_of
+from stickslip.models.said_of_motion import outlines_of_machine
 
 if TYPE_CHECKING:
     from stickslip.results.trajectory import Trajectory
@@ -26,7 +27,7 @@ def plane_of(run: Trajectory, at: dict[str, Any]) -> dict[str, Any] | None:
     dict or None
         bodies with name, mass [kg], x and z [mm], angle [rad] (None of one that does not turn), and points [mm]: those of its contacts and
         links, by its own axes; ground, a line as pairs of x and z [mm], empty where nothing touches it; links, for each the x and z of both
-        ends [mm].
+        ends [mm]; outlines, for each line the x and z of its points [mm].
     """
     mechanics: Any = machine_of(run.model).mechanics
     if not mechanics.joined or not mechanics.has_places:
@@ -48,7 +49,9 @@ def plane_of(run: Trajectory, at: dict[str, Any]) -> dict[str, Any] | None:
                        "angle": turned, "points": points})  # fmt: skip
     ends = [[link._point(end, 0.0, places) for end in link.ends] for link in mechanics.placed_links if not link.turns]
     links = [[[_rounded(column(x)), _rounded(column(z))] for x, z in both] for both in ends]
-    return {"bodies": bodies, "ground": _ground(mechanics, bodies), "links": links}
+    lines = outlines_of_machine(mechanics.model, 0.0, dict(zip(mechanics.bodies, q, strict=True))) or ()
+    outlines = [[[_rounded(column(x)), _rounded(column(z))] for x, z in line] for line in lines]
+    return {"bodies": bodies, "ground": _ground(mechanics, bodies), "links": links, "outlines": outlines}
 
 
 def _points(mechanics: Any, name: str) -> Iterator[tuple[float, float]]:

@@ -55,8 +55,9 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
 
   // ---- bodies in the plane, to scale; a body of one point is a disc, and one that turns is as large as its points are apart ----
   function plane() {
-    const { bodies, ground, links } = m.plane, far = (b) => Math.max(0, ...b.points.map(([x, z]) => Math.hypot(x, z)));
-    const xs = bodies.flatMap((b) => [...b.x.map((x) => x - far(b)), ...b.x.map((x) => x + far(b))]), zs = bodies.flatMap((b) => [...b.z.map((z) => z - far(b)), ...b.z.map((z) => z + far(b))]).concat(ground.map(([, z]) => z));
+    const { bodies, ground, links, outlines } = m.plane, far = (b) => Math.max(0, ...b.points.map(([x, z]) => Math.hypot(x, z)));
+    const across = (part) => [...bodies.flatMap((b) => b[part].flatMap((at) => [at - far(b), at + far(b)])), ...outlines.flat().flatMap((point) => point[part === "x" ? 0 : 1])];
+    const xs = across("x"), zs = across("z").concat(ground.map(([, z]) => z));
     const [left, right, low, high] = [Math.min(...xs), Math.max(...xs), Math.min(...zs), Math.max(...zs)], edge = 34;
     zoom = Math.min((W - 2 * edge) / (right - left || 1), 260 / (high - low || 1));
     const X = (x) => W / 2 + zoom * (x - 0.5 * (left + right)), base = edge + zoom * (high - low), Z = (z) => base - zoom * (z - low);
@@ -67,6 +68,7 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
       const line = [[0, ground[0][1]], ...ground.map(([x, z]) => [X(x), z]), [W, ground.at(-1)[1]]];
       make("polyline", { points: line.map(([x, z]) => `${x.toFixed(1)},${Z(z).toFixed(1)}`).join(" "), class: "ink", fill: "none" }, stage);
     }
+    const rods = outlines.map(() => make("polyline", { class: "rod", fill: "none" }, stage));
     const ties = links.map(() => make("line", { class: "spring" }, stage)), heaviest = Math.max(...bodies.map((b) => b.mass));
     shapes = bodies.map((b, i) => {
       const w = Math.max(0, ...b.points.map(([x]) => Math.abs(x))) * zoom, h = Math.max(0, ...b.points.map(([, z]) => Math.abs(z))) * zoom, r = Math.max(13 * Math.sqrt(b.mass / heaviest), 4), group = make("g", {}, stage);
@@ -76,10 +78,10 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
       return { nodes: [group], move: (k) => `translate(${X(b.x[k]).toFixed(2)} ${Z(b.z[k]).toFixed(2)})${b.angle ? ` rotate(${((-180 * b.angle[k]) / Math.PI).toFixed(3)})` : ""}` };
     });
     shapes.springs = [];
-    shapes.ties = (k) => ties.forEach((tie, j) => links[j].forEach(([x, z], end) => {
+    shapes.ties = (k) => (rods.forEach((rod, j) => rod.setAttribute("points", outlines[j].map(([x, z]) => `${X(x[k]).toFixed(1)},${Z(z[k]).toFixed(1)}`).join(" "))), ties.forEach((tie, j) => links[j].forEach(([x, z], end) => {
       tie.setAttribute(`x${end + 1}`, X(x[k]));
       tie.setAttribute(`y${end + 1}`, Z(z[k]));
-    }));
+    })));
     const one = 10 ** Math.floor(Math.log10(120 / zoom));
     make("line", { x1: W - 10 - one * zoom, x2: W - 10, y1: 12, y2: 12, class: "scale" }, stage);
     const drawn = bodies.map((b, i) => {
