@@ -164,7 +164,7 @@ def made(tmp_path):
 
 
 def test_damaged_files_are_errors_or_told(tmp_path):
-    endure(made(tmp_path), tmp_path, 400, seed=1)
+    endure(made(tmp_path), tmp_path, 240, seed=1)
 
 
 def test_damaged_files_of_other_libraries_are_errors_or_told(tmp_path):
