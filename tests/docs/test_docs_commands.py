@@ -48,7 +48,7 @@ def commands(page):
 
 def typed(line):
     """The words of a line, patterns of files filled in. Maps are made small: how many values a range has changes no grammar."""
-    words = [re.sub(r":\d{2,}\b", ":4", word) for word in shlex.split(line)[1:]]
+    words = [re.sub(r":\d{2,}\b", ":2", word) for word in shlex.split(line)[1:]]
     return [name for word in words for name in (sorted(map(str, Path().glob(word))) if "*" in word else [word])]
 
 

@@ -1,10 +1,18 @@
-"""One page of a module's explorer, which each test finds as it is at first."""
+"""One explorer for all files, and one page of it for each, which a test finds as it is at first."""
 
 import contextlib
 
 import pytest
 
 from browsed import Page
+from explorers import Explorer
+
+
+@pytest.fixture(scope="session")
+def explorer():
+    made = Explorer()
+    with contextlib.closing(made):
+        yield made
 
 
 @pytest.fixture(scope="module")

@@ -38,13 +38,6 @@ from stickslip.show.paper.cases import CASES, EXPERIMENTS, rig
 VALUES = {name: p.default for name, p in PARAMETERS.items()}
 
 
-@pytest.fixture(scope="module")
-def explorer():
-    made = Explorer()
-    with contextlib.closing(made):
-        yield made
-
-
 # robots -----------------------------------------------------------------------------------------------------------
 
 

@@ -164,7 +164,7 @@ def test_an_upload_that_trickles_ends(served):
 # files ------------------------------------------------------------------------------------------------------------
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def reader():
     made = Reader(uploads.READING)
     yield made

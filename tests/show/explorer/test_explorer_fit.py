@@ -1,6 +1,5 @@
 """Friction from a log that is dropped on the page: what is proposed, what is fitted, and what a hostile page or file gets."""
 
-import contextlib
 import json
 import re
 import threading
@@ -12,7 +11,6 @@ import numpy as np
 import pytest
 
 from browsed import Page
-from explorers import Explorer
 from rows import each_row
 from stickslip.basics.errors import InputError
 from stickslip.show.explorer.frames import unpacked
@@ -30,13 +28,6 @@ def rig_rows(seconds=6.0, seed=0):
     x, v = 3.8e-3 * np.sin(4.4 * t), 3.8e-3 * 4.4 * np.cos(4.4 * t)
     force = np.where(v > 0, 2.4, -2.4) + np.sign(v) * (F - 2.4) * np.exp(-((v / V_S) ** 2)) + rng.normal(0, 0.03, len(t))
     return "\n".join(["time,weg,kraft", *(f"{a:.4f},{1e3 * b:.6f},{c:.4f}" for a, b, c in zip(t, x, force, strict=True))])
-
-
-@pytest.fixture(scope="module")
-def explorer():
-    made = Explorer()
-    with contextlib.closing(made):
-        yield made
 
 
 @pytest.fixture(scope="module")
@@ -83,7 +74,7 @@ def test_a_drop_and_a_click_give_friction_whose_intervals_hold_the_truth(page, t
 
 
 def test_a_fit_can_be_stopped_and_the_page_stays_usable_meanwhile(page):
-    drop(page, {"long.csv": rig_rows(60.0)})
+    drop(page, {"long.csv": rig_rows(30.0)})
     page.page.locator("#fit-name", has_text="long.csv").wait_for()
     page.page.locator("#fit-columns [data-state=check]").first.wait_for()
     page.page.locator("#fit-start").click()
