@@ -536,15 +536,18 @@ print(json.dumps([found["study"], found["models"], found["unchecked"]]))
 """
 
 
-@pytest.mark.parametrize("plain", [False, True], ids=["traced", "plain numbers"])
-def test_the_same_model_in_another_process_is_the_same(plain):
-    def run(seed, lines, doc, local):
-        text = SCRIPT.format(lines=lines, doc=doc, local=local, plain=plain)
-        environment = {**os.environ, "PYTHONHASHSEED": seed}
-        return json.loads(subprocess.run([sys.executable, "-c", text], env=environment, capture_output=True, check=True, text=True).stdout)
+def test_the_same_model_in_another_process_is_the_same():
+    """With a law that is traced, and with one for plain numbers."""
 
-    first = run("1", "", "pass", "law")
-    assert run("2", "\n\n# moved down\n", '"""A docstring."""' if not plain else "pass", "friction") == first and first[2] == []
+    def run(seed, lines, docs, local):
+        texts = [SCRIPT.format(lines=lines, doc=doc, local=local, plain=plain) for doc, plain in zip(docs, (False, True), strict=True)]
+        command, environment = [sys.executable, "-c", "\n".join(texts)], {**os.environ, "PYTHONHASHSEED": seed}
+        done = subprocess.run(command, env=environment, capture_output=True, check=True, text=True)
+        return [json.loads(line) for line in done.stdout.splitlines()]
+
+    first = run("1", "", ("pass", "pass"), "law")
+    assert run("2", "\n\n# moved down\n", ('"""A docstring."""', "pass"), "friction") == first
+    assert [unchecked for _, _, unchecked in first] == [[], []]
 
 
 def test_a_docstring_is_no_part_of_a_function():
