@@ -80,7 +80,8 @@ class BristleBot(InThePlane):
 
     References
     ----------
-    G. Cicconofri and A. DeSimone, Motility of a model bristle-bot: a theoretical analysis, Int. J. Non-Linear Mech. 76 (2015) 233-239.
+    G. Cicconofri and A. DeSimone, Motility of a model bristle-bot: a theoretical analysis, Int. J. Non-Linear Mech. 76 (2015) 233-239,
+    arXiv:1410.8153.
     A. DeSimone and A. Tatone, Crawling motility through the analysis of model locomotors: two case studies, Eur. Phys. J. E 35 (2012) 85.
 
     Examples
