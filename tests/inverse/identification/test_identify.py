@@ -152,12 +152,13 @@ def test_a_robot_with_dotted_fields_is_fitted_and_parameters_are_tied():
     robot = rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb")
     rec = ss.virtual_rig(robot, noise=1e-4, seed=3)
     fit = ss.identify(
-        rec, robot, free={"friction.mu_plus": (0.05, 0.3)}, tied={"friction.mu_minus": lambda p: p["friction.mu_plus"] * (0.21 / 0.15)}
-    )
+        rec, robot, free={"friction.mu_plus": (0.05, 0.3)}, tied={"friction.mu_minus": lambda p: p["friction.mu_plus"] * (0.21 / 0.15)},
+        starts=8,
+    )  # fmt: skip
     true = robot.friction.mu_plus
     assert fit.values["friction.mu_plus"] == pytest.approx(true, rel=0.02)
     assert fit.model().friction.mu_minus == pytest.approx(fit.values["friction.mu_plus"] * 1.4)
-    alike = ss.identify(rec, robot, free={"friction.mu_plus": (0.05, 0.3)}, tied={"friction.mu_minus": "friction.mu_plus"})
+    alike = ss.identify(rec, robot, free={"friction.mu_plus": (0.05, 0.3)}, tied={"friction.mu_minus": "friction.mu_plus"}, starts=8)
     assert alike.cost > 10 * fit.cost  # isotropic friction does not move like that
 
 
@@ -331,7 +332,9 @@ def test_a_force_without_a_load_is_an_error_that_says_what_to_type():
 
 def test_data_that_cannot_tell_are_said_to():
     """From mean velocities rounded to 0.1 mm/s, with unknown noise, nothing decides between the laws."""
-    arguments = dict(free={"mu0": (0.09, 0.208)}, tilt_deg=[1.7, 2.7, 4.7, 5.7], amplitude=[5.525e-4, 6.032e-4, 4.564e-4, 1.487e-3])
+    arguments = dict(
+        free={"mu0": (0.09, 0.208)}, tilt_deg=[1.7, 2.7, 4.7, 5.7], amplitude=[5.525e-4, 6.032e-4, 4.564e-4, 1.487e-3], starts=16
+    )
     both = {law: ss.identify([0.0017, 0.0036, 0.0040, 0.0254], rig, law=law, **arguments) for law in ("coulomb", "lugre")}
     found = ss.identification.rank(both)
     assert not found.decided and "these data cannot" in found.verdict
@@ -701,7 +704,7 @@ def bench_robot(amplitude=6e-4, frequency=40.0):
 )
 def test_a_record_of_another_drive_or_in_another_unit_is_doubted(told, said):
     rec = ss.virtual_rig(bench_robot(), noise=2e-4, seed=1)
-    fit = ss.identify(rec, told, free={"friction.mu_plus": (0.05, 0.5)}, starts=1)
+    fit = ss.identify(rec, told, free={"friction.mu_plus": (0.05, 0.5)}, harmonics=0, starts=1)
     warned = fit.warnings[: len(fit.contradictions)]
     assert bool(warned) == bool(said) and all(any(re.search(each, sentence) for sentence in warned) for each in said)
     hertz, omega = told.drive.omega / (2 * np.pi), told.drive.omega
