@@ -38,7 +38,7 @@ _COLUMNS = (
     "F_T0", "F_HH", "F_X0", "F_SIDE", "F_LAST", "F_TOP", "WATCHED", "EXPONENTS", "F_CLEAR", "COORDINATES", "CONTACTS", "SHARES",
     "SHARE_AT", "PASSIVE", "CARRIED", "DELAY_AT", "ORDERED", "SIGNALS", "RATIOS", "BODIES", "ARMS", "PLACES", "F_FIRED", "LOOKED",
     "F_LOOKED", "SAMPLE_AT", "F_SOON", "F_MARKS", "F_LIM", "F_SORT", "F_TAIL", "F_HIGH", "F_LOW", "LASTING",
-    "F_ENDS", "F_MEAN", "F_RATES", "F_FITS",
+    "F_ENDS", "F_MEAN", "F_RATES", "F_FITS", "F_WORK",
 )  # fmt: skip
 
 #: Of these the places of a lane's fields.

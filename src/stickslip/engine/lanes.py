@@ -341,7 +341,9 @@ def places(eq: System, step: Step, lanes: int, group: int, width: int) -> Layout
 def law_text(eq: System, step: Step, lanes: int) -> tuple[tuple[str, ...], str]:
     """The names of a law's own functions, and their text."""
     named, _ = layout(eq, step, lanes)
-    functions = {"prelude": prelude(eq, _constants(eq, step)), "look": looks(eq), "work": work(eq, step.degree)}
+    functions = {"prelude": prelude(eq, _constants(eq, step)), "look": looks(eq)}
+    if named["F_WORK"] < 0:
+        functions["work"] = work(eq, step.degree)
     if not eq.stiff:
         functions["switched"] = taylor.switches(eq, step, lanes)
         functions["sizes"] = sizes_text(eq, step, lanes, [taylor.slips_of(eq, eq.guards[k]) for k in taylor.watched(eq)])

@@ -69,9 +69,14 @@ def _flags_in(roots: Iterable[Sym]) -> list[int]:
     return sorted(int(node.name[1:]) for node in needed_by(roots) if node.op == "flag" and re.fullmatch(r"b\d+", node.name))
 
 
+def rule_of_work(degree: int) -> tuple[list[float], list[float]]:
+    """Nodes and weights of Gauss's rule for the work in a step of a degree."""
+    return gauss(4 if degree < 8 else degree // 3 + 2)
+
+
 def work(eq: System, degree: int) -> str:
     """The work of friction in a step: it takes the force that all but friction offer, by time."""
-    nodes, weights = gauss(4 if degree < 8 else degree // 3 + 2)
+    nodes, weights = rule_of_work(degree)
     tables = [f"NODES, WEIGHTS = {nodes!r}, {weights!r}"]
     bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "t"}
     bind |= {f"clk{k}": f"S[F_CLK + {k} * L + lane]" for k in range(len(eq.clocks))}

@@ -22,6 +22,7 @@ from dataclasses import dataclass
 
 from stickslip.basics.status import Status
 from stickslip.engine.graphs import Substituted
+from stickslip.engine.lawtext import rule_of_work
 from stickslip.engine.rosenbrock_step import Step, sides
 from stickslip.engine.rows import RowWriter
 from stickslip.engine.slaving import Slaving
@@ -91,7 +92,7 @@ class StepWriter:
         fields = ["t", "tend", "x", "y0", "y1", *(f"b{k}" for k in signs), "m1", *(f"clk{k}" for k in clocks)]
         fields += ["stat", "nacc", "nrej", "lim", "sort"]
         fields += [] if self.record else ["high_0", "low_0", "looked", "soon", "marks"]  # what follows does not last
-        fields += [*(f"{name}_0" for name in NOTED), *(f"k{i}_{m}" for i in (0, 1) for m in orders)]
+        fields += [*(f"{name}_0" for name in NOTED), *(["work_0"] if self._works else []), *(f"k{i}_{m}" for i in (0, 1) for m in orders)]
         fields += ["x0", *sides(self.eq)] if self.record else []
         return Step(tuple(self.w.lines), tuple(fields), tuple(self.w.case_nodes), self.n)
 
@@ -518,3 +519,34 @@ class StepWriter:
                 w.line("_more", f"_most if _most {sign} _y0 else _y0")
                 w.line(f"{name}[0]", f"_more if (_looked > 0.1 and _more {sign} {name}[0]) else {name}[0]")
         w.end()
+        if self._works:
+            self._looking("0.5")
+            self._work()
+            w.end()
+
+    @property
+    def _works(self) -> bool:
+        """Whether a step adds up the work of friction itself; else ``kernels/work.py`` does so lane by lane."""
+        return not self.record and self.eq.offered is not None
+
+    def _work(self) -> None:
+        """What was offered in the step and did not become kinetic energy, by the rule and on the dense output of ``kernels/work.py``."""
+        w, eq, n = self.w, self.eq, self.n
+
+        def velocity(part: str) -> str:
+            return horner([f"_k0[{m}]" for m in range(n + 1)], part)
+
+        rule = rule_of_work(n)
+        for k, pair in enumerate(zip(*rule, strict=True)):
+            for letter, number in zip("nw", pair, strict=True):
+                w.line(f"_{letter}{k}", literal(number))
+        w.line("_sum", "0.0")
+        w.begin(f"for q in range(0, {len(rule[0])})")  # in a loop, since its text would be as long again as that of all else here
+        offered = w.value(eq.offered, self.start | {"t": w.line("_then", "fma(_n0, _went, _begun)")})
+        w.line("_sum", f"fma(_w0 * {offered}, {velocity('_n0')}, _sum)")
+        for k in range(len(rule[0]) - 1):
+            for letter in "nw":
+                w.line(f"_{letter}{k}", f"1.0 * _{letter}{k + 1}")
+        w.end()
+        w.line("_ve", velocity("1.0"))
+        w.line("_work[0]", f"_sum * _went - 0.5 * {self._value(eq.mass)} * (_ve - _k0[0]) * (_ve + _k0[0])")

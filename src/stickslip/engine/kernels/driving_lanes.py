@@ -367,7 +367,7 @@ def watch(lane, S, W, D):
         call_hold(D[AT_HOLD], lane, S, W, D)
         return
     if D[OFFERED] == 1 and N[lane, CLOSING] == 0 and S[D[F_T] + lane] != S[D[F_T0] + lane]:
-        K[lane, WORK] += call_work(D[AT_WORK], lane, S, PARAM[N[lane, CASE]])
+        K[lane, WORK] += S[D[F_WORK] + lane] if D[F_WORK] >= 0 else call_work(D[AT_WORK], lane, S, PARAM[N[lane, CASE]])
         K[lane, LASTED] += S[D[F_T] + lane] - S[D[F_T0] + lane]
     if D[F_TOP] >= 0 and N[lane, CLOSING] == 0:
         K[lane, VMAX], K[lane, VMIN] = max(K[lane, VMAX], S[D[F_TOP] + lane]), min(K[lane, VMIN], S[D[F_TOP] + lane])
