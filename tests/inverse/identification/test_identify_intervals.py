@@ -132,7 +132,13 @@ def test_derivatives_that_are_right_stay_as_they_are():
 
 
 def test_a_capsule_that_rests_at_every_strobe_has_its_two_periods_and_settles_slowly():
-    """Against 600 periods of `solve`, in which it settles by the rate that is said: its velocity at strobe times is zero each time."""
+    """Against 600 periods of `solve`, in which it settles by the rate that is said: its velocity at strobe times is zero each time.
+
+    One body on a spring goes on from where it is, too, and has one period.
+    """
+    swinging = ss.ForcedOscillator(1.0, 1.0, 1.0, 0.7, ss.Coulomb(0.2, 0.3), damping=0.01)
+    settled = steady_curve(swinging)
+    assert settled.period == 1 and settled.run.strobe_x[-1] == pytest.approx(ss.periodic_orbit(swinging).state[0], rel=3e-8)
     capsule = ss.presets.capsule(omega=1.0794, gap=0.082, force_ratio=0.98, damping_ratio=0.051)
     curve, run = steady_curve(capsule, body=0), ss.solve(capsule, periods=602, keep="trajectory")
     t = np.arange(50) / 50

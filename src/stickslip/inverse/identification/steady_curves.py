@@ -97,10 +97,7 @@ class SteadyCurve(TransientCurve):
     @property
     def end(self) -> dict[str, Any]:
         """The strobe point, from which a neighbouring robot is started."""
-        if machine_of(self.run.model).names_parts:
-            return coordinates(self.run.model).start(strobe_states(self.run)[-1])
-        z = self.run.strobe_z
-        return {"v": float(self.run.strobe_v[-1])} | ({} if z is None else {"z": z[-1].tolist() if z.ndim > 1 else float(z[-1])})
+        return coordinates(self.run.model).start(strobe_states(self.run)[-1])
 
 
 def steady_curve(robot: Any, start: dict[str, Any] | None = None, rtol: float = 1e-8, body: int | None = None) -> SteadyCurve:
@@ -132,8 +129,6 @@ def _strobe_points(run: Any, speed: float) -> Any:
 
     A body that rests there has no velocity, whatever the others do: all coordinates of a machine are looked at.
     """
-    if not machine_of(run.model).names_parts:
-        return run.strobe_v[:, None]
     return strobe_states(run) / coordinates(run.model).scales * speed
 
 
@@ -166,9 +161,6 @@ def _nearer(run: Any, points: Array, tolerance: float) -> dict[str, Any]:
     if not 0.05 < ratio < 0.98 or float(abs(last - ratio * before).max()) > _ALONG * float(abs(last).max()):
         return end
     ahead = ratio / (1 - ratio)
-    if not machine_of(run.model).names_parts:
-        end["v"] += float(last[0] * ahead)
-        return end
     at = coordinates(run.model)
     states = strobe_states(run)
     return at.start(states[-1] + np.where(np.arange(len(at.names)) < at.smooth, (states[-1] - states[-1 - p]) * ahead, 0.0))
