@@ -627,7 +627,7 @@ def test_a_function_that_makes_a_belt_has_its_cycles_followed_to_where_stick_sli
     law = "ss.Stribeck(1.0, 1.0, 1.5, 1.5, v_s=0.2)"
     line = f"return ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=speed, friction={law}, damping=0.3)"
     (tmp_path / "weakening.py").write_text(f"import stickslip as ss\n\n\ndef belt(speed=0.5):\n    {line}\n")
-    words = ["weakening.py:belt", "--allow-code", "speed=0.64..0.7:4", "start.x=0.6", "start.v=0.6", "settle=20", "--follow", "--json"]
+    words = ["weakening.py:belt", "--allow-code", "speed=0.64..0.68:2", "start.x=0.6", "start.v=0.6", "settle=20", "--follow", "--json"]
     code, out, err = call(capsys, "bifurcation", *words)
     assert code == 0, err
     ends = [special["value"] for branch in strict(out)["branches"] for special in branch["special"] if special["kind"] == "type-border"]

@@ -15,7 +15,7 @@ from stickslip.show.cli.declaring import commands_in, declaration
 
 SLOW = ("paper", "warmup")  # they take a minute
 #: Seconds; other tests read their JSON.
-LONG = (*SLOW, "optimise", "atlas", "basins", "lyapunov", "compare", "identify", "map", "report", "check")
+LONG = (*SLOW, "bench", "optimise", "atlas", "basins", "lyapunov", "compare", "identify", "map", "report", "check")
 ENDLESS = "explore"  # serves until it is told to stop
 EXAMPLES = [command for command in COMMANDS if command != ENDLESS]
 _NUMBER = re.compile(r"[+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
