@@ -214,7 +214,7 @@ def test_period_four_where_the_doubled_branch_is_unstable():
 def test_a_fold_is_passed():
     """Two motions at A = 0.8 mm, f0 = 0.5: one of them ends in a fold when f0 falls, and the branch comes back unstable."""
     start = ss.periodic_orbit(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, f0=0.5), guess=dict(v=1.5e-4, z=-4.6e-8))
-    b = ss.continuation(ss.presets.piezo_rig, parameter="f0", start=0.5, stop=0.497, guess=start, tilt_deg=1.7, amplitude=8e-4, points=120)
+    b = ss.continuation(ss.presets.piezo_rig, parameter="f0", start=0.5, stop=0.497, guess=start, tilt_deg=1.7, amplitude=8e-4, points=30)
     folds = [s for s in b.special if s.kind == "fold"]
     assert folds
     assert float(abs(folds[0].orbit.multipliers - 1.0).min()) < 1e-5, "a multiplier is 1 at a fold"

@@ -55,8 +55,8 @@ def test_every_fourth_coefficient_alone():
 
 @pytest.mark.parametrize("robot", [NARROW, drawn.robot(3), drawn.robot(273)], ids=["a hundredth", "drawn", "drawn too"])
 def test_no_step_passes_over_a_stribeck_peak(robot):
-    judge = exact(robot, 3, method="radau", rtol=1e-10)  # as exact as LSODA's and DOP853's 1e-12 here
-    assert abs(exact(robot, 3) - judge) <= TOLERATED * drawn.unit(robot)
+    judge = exact(robot, 2, method="radau", rtol=1e-10)  # as exact as LSODA's and DOP853's 1e-12 here
+    assert abs(exact(robot, 2) - judge) <= TOLERATED * drawn.unit(robot)
 
 
 @dataclass(frozen=True)
@@ -197,11 +197,11 @@ LIGHT = ss.Robot(
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("rtol", [2e-7, 5e-7, 1e-6])
-def test_a_flag_that_another_flip_has_moved_is_set_right(rtol):
+def test_a_flag_that_another_flip_has_moved_is_set_right():
     """As v passes zero the bristle of an elasto-plastic law is bent backwards from one moment to the next: plastic becomes elastic."""
     judge = exact(LIGHT, method="radau", rtol=1e-7)
-    assert exact(LIGHT, rtol=rtol) == pytest.approx(judge, abs=30 * rtol * drawn.unit(LIGHT))
+    for rtol in (2e-7, 5e-7, 1e-6):
+        assert exact(LIGHT, rtol=rtol) == pytest.approx(judge, abs=30 * rtol * drawn.unit(LIGHT)), rtol
 
 
 def test_a_run_that_stops_names_each_number_of_its_state(monkeypatch):

@@ -28,7 +28,7 @@ QUICK = {
     ),
     "chaos_map": lambda **where: ss.dynamics.chaos_map(RIG, amplitude=AMPLITUDES, settle=40, periods=20, **LAW, **where),
     "identify": lambda **where: fit_of(
-        [1.61e-3, 4.31e-3], RIG, free={"mu0": (0.05, 0.5)}, tilt_deg=1.7, amplitude=[5e-4, 8e-4], law="coulomb", starts=16, **where
+        [1.61e-3, 4.31e-3], RIG, free={"mu0": (0.05, 0.5)}, tilt_deg=1.7, amplitude=[5e-4, 8e-4], law="coulomb", starts=6, **where
     ),
 }
 #: By name: the call, which takes where it is computed.

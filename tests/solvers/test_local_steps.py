@@ -75,7 +75,7 @@ def test_a_hundred_blocks_agree_with_the_judge_over_fifty_events():
 
 
 def test_a_thousand_blocks_keep_their_energy():
-    run = ss.solve(row(1000), duration=0.1)
+    run = ss.solve(row(1000), duration=0.05)
     assert len(run.events) > 100
     assert ss.energy(run).worst < 1e-10
 

@@ -36,7 +36,8 @@ def test_two_masses_have_the_mean_velocity_that_is_known(alpha, known):
     run = ss.solve(robot, periods=400 if alpha < 0.1 else 60)
     assert ss.mean_velocity(run) == pytest.approx(known, rel=1e-12)
     if alpha == 0.3:
-        assert ss.mean_velocity(ss.solve(robot, periods=60, method="dop853", rtol=1e-12)) == pytest.approx(known, rel=1e-10)
+        few = [ss.solve(robot, periods=12, **how) for how in ({}, {"method": "dop853", "rtol": 1e-12})]
+        assert ss.mean_velocity(few[0]) == pytest.approx(ss.mean_velocity(few[1]), rel=1e-10)
 
 
 def test_two_masses_slip_and_stick_when_independent_codes_say():
@@ -123,7 +124,7 @@ def test_a_rotor_presses_as_it_turns():
     for t in (0.0, 0.003, 0.011):
         load = 0.08 * g - 0.01 * A * OMEGA**2 * math.cos(OMEGA * t)
         assert robot.load(t, 0.0) == pytest.approx(load, rel=1e-14)
-    runs = [ss.solve(robot, periods=30, method=method, rtol=1e-11) for method in ("exact", "dop853")]
+    runs = [ss.solve(robot, periods=10, method=method, rtol=1e-11) for method in ("exact", "dop853")]
     assert ss.mean_velocity(runs[0]) == pytest.approx(ss.mean_velocity(runs[1]), rel=1e-8)
     assert abs(ss.mean_velocity(runs[0])) > 1e-4
 

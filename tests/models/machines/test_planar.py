@@ -12,13 +12,13 @@ from rows import each_row
 BOT = ss.presets.bristle_bot(unbalance=4e-7)
 #: Machines, where they begin, and how long they take for 20 events and for a few.
 RUNS = {
-    "bristle-bot": (ss.presets.bristle_bot(), {}, 11, 2),
-    "bristle-bot under Coulomb friction": (ss.presets.bristle_bot(law="coulomb", unbalance=5e-6), {}, 9, 3),
+    "bristle-bot": (ss.presets.bristle_bot(), {}, 11, 1),
+    "bristle-bot under Coulomb friction": (ss.presets.bristle_bot(law="coulomb", unbalance=5e-6), {}, 9, 2),
     "cart and pole": (ss.presets.cart_pole(), {"angle": 0.5}, 10, 1),
-    "block on a wedge": (ss.presets.block_on_wedge(), {}, 11, 2),
+    "block on a wedge": (ss.presets.block_on_wedge(), {}, 11, 1),
     "rod": (ss.presets.sliding_rod(mu=0.3, push=8.0), {"angle": -1.0}, 18, 1),
     "two links": (ss.presets.two_link_arm(), {}, 4, 1),
-    "brake": (ss.presets.mode_coupling(), {}, 25, 6),
+    "brake": (ss.presets.mode_coupling(), {}, 25, 4),
     "hopping robot": (ss.presets.hopping_robot(), {}, 6, 1),
     "gear joint": (ss.presets.gear_joint(), {}, 5, 0),
 }

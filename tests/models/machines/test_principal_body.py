@@ -30,7 +30,7 @@ class Hammered(Capsule):
 
 
 NAMED, PLAIN = Named(300.0, DRY), Capsule(300.0, DRY)
-LENGTH = {"periods": 12}
+LENGTH = {"periods": 6}
 
 
 @pytest.fixture(scope="module")
