@@ -707,6 +707,8 @@ def test_a_record_of_another_drive_or_in_another_unit_is_doubted(told, said):
     fit = ss.identify(rec, told, free={"friction.mu_plus": (0.05, 0.5)}, harmonics=0, starts=1)
     warned = fit.warnings[: len(fit.contradictions)]
     assert bool(warned) == bool(said) and all(any(re.search(each, sentence) for sentence in warned) for each in said)
+    others = [target(rec, "velocity", None, typed, "record").cut for typed in (40.0, 40.04)]
+    assert others[0] is None and "Hz and 40.04 Hz was typed, 33 standard errors away" in others[1]
     hertz, omega = told.drive.omega / (2 * np.pi), told.drive.omega
     assert f"drive.omega = {hertz:.6g} Hz ({omega:.6g} rad/s)" in fit.report() and "friction.mu_minus = 0.21" in fit.report()
 

@@ -27,6 +27,7 @@ from stickslip.records.tones import measured_samples, refuse_constant
 _ROTARY = {what: SI[what] for what in ("angle", "angular velocity")}
 
 
+_OTHER = 4.0  # standard errors beyond which a line of a record is not that of the frequency that was typed
 _DELAY = 5.0  # samples by which a delay is looked for where nothing is typed
 _MOTION, _MOTION_UNITS = ("position", "velocity"), ("m (rad)", "m/s (rad/s)")
 
@@ -201,6 +202,7 @@ def target(
     elif np.any(clipped):
         cut = f"{int(np.sum(clipped != 0))} of {len(t)} samples sit at the end of the sensor's range and count as that or beyond"
     f = rec.drive_frequency().value if frequency is None else given_frequency(frequency)
+    cut = cut if frequency is None else "; ".join(filter(None, (cut, _other_line(rec, f)))) or None
     level = noise(np.where(clipped == 0, y, np.nan)) if sigma is None else float(sigma)
     if not level > 0:
         level = 1e-6 * float(np.ptp(y)) or 1.0
@@ -211,6 +213,19 @@ def target(
     known = Target(kind, phase, y, level, f, sigma is not None, label, own, slips, transient)
     whole = dataclasses.replace(known, remark=remark, period=repeats or 1, unit=unit, clipped=clipped, cut=cut)
     return _fewer(whole, repeats) if many and len(t) > MOST else whole
+
+
+def _other_line(rec: Record, typed: float) -> str:
+    """Where the record's own line is, if that is not where the frequency says that was typed."""
+    try:
+        own = rec.drive_frequency(typed)
+    except InputError:
+        return ""
+    apart = abs(own.value - typed) / max(own.error, 1e-300)
+    if apart < _OTHER:
+        return ""
+    where = f"the line of the record is at {own.value:.6g} Hz and {typed:.6g} Hz was typed, {apart:.2g} standard errors away"
+    return f"{where}: correct that, or leave the frequency out, so that it is fitted"
 
 
 def _fewer(target: Target, repeats: int | None) -> Target:

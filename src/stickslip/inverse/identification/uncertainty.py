@@ -28,6 +28,7 @@ _WIDER = 1.1  # by which an interval reaches farther if its end is looked at too
 _BEYOND = 1.5  # ends of an interval at which the sum of squares must still be up
 _FOLLOWS = 3  # points there, each with the other numbers nearer to their best
 _AT_BOUND = 1e-4  # on the scale of the search
+_MATTERS = 1.0  # square of the noise: by less a search that ended before a minimum changes no verdict, and no number by its error
 _OUTSIDE = 3.0  # standard errors beyond a bound, from which on that is no noise
 _WANTED = 0.05  # of the distance of its bounds: error of a parameter with the sensor that is recommended
 _PROFILED = 24  # points that are tried for one end of a profile
@@ -224,7 +225,7 @@ def _followed(fit: Fit, k: int, held: float, start: Any) -> Any:
 def faults(fit: Fit) -> list[str]:
     """Why a fit is not that of a law which holds: an interrupted search, numbers at bounds, residuals that are not noise."""
     reasons = ["the search was interrupted"] if fit.stopped else []
-    reasons += [*_before_a_minimum(fit), *_coarse(fit)]
+    reasons += [*(_before_a_minimum(fit) if fit.misfit and fit.misfit.promised > _MATTERS else []), *_coarse(fit)]
     outside = [name for name in _at_bounds(fit) if name not in at_zero(fit) and _is_outside(fit, fit.names.index(name), _inner(fit, name))]
     reasons += [f"{name} ends at its bound {_bound_met(fit, name):.5g}" for name in outside]
     reasons += _against_what_is_known(fit)
