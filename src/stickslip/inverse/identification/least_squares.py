@@ -128,6 +128,11 @@ class MeasuredProblem:
         """1, or 0 for values of forces that a delay brings from where no motion is recorded: array (values,)."""
         return np.concatenate([t.known * np.ones(t.count) for t in self.targets])
 
+    @property
+    def spared(self) -> Any:
+        """Standard deviations by which values may be off before they count: array (values,), or 0 for all."""
+        return np.concatenate([t.spared * np.ones(t.count) for t in self.targets]) if any(np.ndim(t.spared) for t in self.targets) else 0.0
+
     def unclipped(self, residuals: Array) -> Any:
         """Which values are measured themselves and, by the model, would be with any noise; array (values,) of bool.
 
@@ -236,14 +241,17 @@ class MeasuredProblem:
         """(model - measured) / sigma of the least and the greatest values; of clipped samples `tail`."""
         met = self._met(ends)
         y, sigma, clipped = (each if met.ndim == 1 else each[:, None] for each in (self.y, self.sigma, self.clipped))
-        deviation = (met - y) / sigma * (self.known if met.ndim == 1 else self.known[:, None])
+        known, spared = (each if met.ndim == 1 or np.ndim(each) == 0 else each[:, None] for each in (self.known, self.spared))
+        deviation = known * (met - y) / sigma
+        deviation = deviation - np.clip(deviation, -spared, spared) if np.ndim(spared) else deviation
         return np.where(clipped == 0, deviation, -clipped * tail(clipped * deviation)) if clipped.any() else deviation
 
     def _counting(self, ends: tuple[Any, Any]) -> Any:
         """By how much residuals rise for each standard deviation of what is met: 1, and less for clipped samples; array (values,)."""
         clipped = self.clipped
-        beyond = clipped * (self._met(ends) - self.y) / self.sigma
-        return self.known * (np.where(clipped == 0, 1.0, tail_slope(beyond)) if clipped.any() else 1.0)
+        off = (self._met(ends) - self.y) / self.sigma
+        counts = self.known * (np.where(clipped == 0, 1.0, tail_slope(clipped * off)) if clipped.any() else 1.0)
+        return counts * ((self.spared == 0) | (abs(off) > self.spared)) if np.ndim(self.spared) else counts
 
     def modelled(self, point: Array) -> tuple[Any, Any] | None:
         """Least and greatest values that the model gives before any sensor; the last few points are remembered."""

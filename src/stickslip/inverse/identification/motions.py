@@ -34,6 +34,7 @@ _LOOKED = 6  # repetitions that tell the noise of a position
 _BLURRED = 3.0  # standard errors of the position within which a flank of a play is reached
 _SMEARED = 0.03  # of the range of a motion, over which a play closes in a search
 _LONGEST, _OF_A_STROKE = 0.02, 0.125  # delay that is looked for, where steps are short: that [s], and no more than so much of a stroke
+_SPARED = 3.0  # standard deviations: noise is beyond them once in 700 times
 _ENDS = 0.5  # by how many times itself a delay may be longer for what it brings from an end
 _COARSE = 0.1  # of a velocity, by which it changes over a step that is halved
 _REPEATS = 0.1  # by which part of its own spread the motion may differ from one period to the next
@@ -171,6 +172,14 @@ class PrescribedMotion(Compared):
         """1, or 0 for values that a delay brings from before the motion was recorded, or from after that: array (values,)."""
         t, least = self.time, _ENDS * abs(self.lag)
         return np.where((t - t[0] < self.lag + least) | (t - t[-1] > self.lag - least), 0.0, 1.0) if self.lag else 1.0
+
+    @cached_property
+    def spared(self) -> Any:
+        """Standard deviations by which values may be off before they count, where a late force jumps and is open: array (values,).
+
+        The force is at its largest there, so that noise alone is beyond it every other time: static friction would be too large by it.
+        """
+        return np.where(self._strokes.passing, _SPARED, 0.0) if self.rigid and self.lag else 0.0
 
     def delayed(self, h: Array, delay: float) -> Any:
         """Values a little later: of a force that jumps where the motion turns those within the strokes, and what is open between them."""

@@ -14,6 +14,7 @@ from stickslip.basics.contracts import Array
 
 _OPEN = 1.0  # samples on either side of a reversal that are open, besides those between which it is
 _ROUNDING = 1e-6  # of a sample
+_STAYS = 10  # samples from one direction to the other, more than which are a rest
 _BEFORE = 2.0  # intervals by which a line within a stroke reaches beyond its two values
 _GAP = 3.0  # times the usual time between values, over which nothing curved is taken between them
 
@@ -121,10 +122,12 @@ class Strokes:
         self.runs = runs(sides)
         self.of = np.full(count, -1)
         self.open = np.full(count, -1)  # the value that says what is open, where that is
+        self.passing = np.zeros(count, bool)  # open values of a motion that passes rest and does not stay there
         for number, (first, last) in enumerate(self.runs):
             self.of[first : last + 1] = number
             begin, end = np.searchsorted(t, t[first] + lag - around), np.searchsorted(t, t[last] + lag + around, side="right")
             self.open[begin:end] = first
+            self.passing[begin:end] = last - first <= _STAYS
         self.middle = np.array([0.5 * (t[first] + t[last]) for first, last in self.runs])
         self.before = np.array([max(first - 2, 0) for first, _ in self.runs], int)
         self.after = np.array([min(last + 1, count - 2) for _, last in self.runs], int)

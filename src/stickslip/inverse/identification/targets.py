@@ -47,6 +47,7 @@ class Compared:
     in_play: bool = False
     lag: float = 0.0
     known: Any = 1.0
+    spared: Any = 0.0  # standard deviations by which each value may be off before it counts
     timeless: bool = False  # whether its values are rows of a table, of which nobody knows when they were taken
     clipped: Any = 0  # which values sit on the upper end (1), or the lower one (-1), of the range of their sensor
 
