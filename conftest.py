@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 CACHE = "STICKSLIP_CACHE_DIR"
+PROPERTIES_OF = ("stickslip.solvers", "stickslip.analysis")
 NO_BYTECODE, BYTECODE = "PYTHONDONTWRITEBYTECODE", "PYTHONPYCACHEPREFIX"
 # Kernel texts are read by the engine, never imported.
 collect_ignore_glob = ["src/stickslip/engine/kernels/*"]
@@ -71,6 +72,14 @@ def pytest_collect_file(file_path, parent):
         if not name.endswith("__main__"):
             with contextlib.suppress(Exception):  # pytest imports it again, and says what is wrong with it
                 importlib.import_module(name)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems():
+    """Hypothesis also tries the constants of our sources: it reads those files alone whose numbers its tests draw, and not a thousand."""
+    providers = sys.modules.get("hypothesis.internal.conjecture.providers")
+    with contextlib.suppress(AttributeError):  # it is not asked for, or a version that reads no sources
+        providers._seen_modules.update(id(module) for name, module in list(sys.modules.items()) if not name.startswith(PROPERTIES_OF))
 
 
 def pytest_terminal_summary(terminalreporter, config):
