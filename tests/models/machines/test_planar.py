@@ -8,6 +8,7 @@ from scipy.optimize import brentq
 
 import stickslip as ss
 from rows import each_row
+from stickslip.show.reports.moving import moments
 
 BOT = ss.presets.bristle_bot(unbalance=4e-7)
 #: Machines, where they begin, and how long they take for 20 events and for a few.
@@ -45,6 +46,9 @@ def test_a_bristle_bot_turns_round_at_a_frequency():
     assert ss.solve(BOT.replace({"omega": 30.0}), periods=30).mean_velocity < 0.0 < ss.solve(BOT, periods=30).mean_velocity
     with pytest.raises(ValueError, match="the expansion is for lubricated friction, and friction is Coulomb"):
         _ = ss.presets.bristle_bot(law="coulomb").reversal
+    for given, other in (({"law": "coulomb", "drag": 2.0}, "lubricated"), ({"mu": 0.2}, "coulomb")):
+        with pytest.raises(ss.InputError, match=f'is of other friction than law=.*type law="{other}"'):
+            ss.presets.bristle_bot(**given)
 
 
 def test_a_cart_with_a_pendulum_swings_as_by_hand():
@@ -55,6 +59,8 @@ def test_a_cart_with_a_pendulum_swings_as_by_hand():
     swing = first * np.cos(np.sqrt(9.81 / length * (1 + bob / cart)) * run.t)
     assert np.max(abs(run.coordinates["angle"] - swing)) < 1e-9 * first
     assert np.allclose(run.coordinates["x"], bob * length / (bob + cart) * (first - swing), rtol=0, atol=1e-9 * first)
+    ((hinge, end),) = np.array(moments(run)["plane"]["outlines"])  # its picture has the rod [mm]
+    assert np.allclose(np.hypot(*(end - hinge)), 1e3 * length, rtol=1e-5) and not hinge[1].any()
 
 
 @pytest.mark.parametrize("long", [False, pytest.param(True, marks=pytest.mark.slow)])
