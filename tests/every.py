@@ -440,12 +440,12 @@ def _branch_drawn(c):
 
 def _basins(c):
     of = "v" if machine_of(c.machine).is_single else f"v.{machine_of(c.machine).mechanics.bodies[0]}"
-    assert ss.basins(c.machine, **{of: [0.0, 0.05]}, settle=100).attractors
+    assert ss.basins(c.machine, **{of: [0.0, 0.05]}, settle=40).attractors
 
 
 def _attractors(c):
     of = "v" if machine_of(c.machine).is_single else f"v.{machine_of(c.machine).mechanics.bodies[0]}"
-    along = ss.attractors(c.machine, parameter=c.number, values=list(c.values), starts={of: [0.0, 0.05]}, settle=100)
+    along = ss.attractors(c.machine, parameter=c.number, values=list(c.values), starts={of: [0.0, 0.05]}, settle=40)
     assert (along.share.sum("attractor") > 0.4).all() and all(map(str, along.ends.values))
 
 
@@ -612,12 +612,12 @@ def _map_of_flow(c):
 
 
 def _basins_of_flow(c):
-    assert ss.basins(c.machine, **{c.machine.states[0]: [0.0, 0.5]}, settle=100).attractors
+    assert ss.basins(c.machine, **{c.machine.states[0]: [0.0, 0.5]}, settle=40).attractors
 
 
 def _attractors_of_flow(c):
     first = c.machine.states[0]
-    along = ss.attractors(c.machine, parameter=c.number, values=list(c.values), starts={first: [0.0, 0.5]}, settle=100)
+    along = ss.attractors(c.machine, parameter=c.number, values=list(c.values), starts={first: [0.0, 0.5]}, settle=40)
     assert along[first].shape[1] == 2 and "mean_velocity" not in along
 
 
