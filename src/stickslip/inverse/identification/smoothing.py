@@ -323,8 +323,8 @@ def _edges(t: Array, y: Array, count: float, sigma: float) -> tuple[Any, Any, An
     nearest = np.minimum(lengths[:-1], lengths[1:])
     size = abs(y[change + 1] - y[change])
     crossed = np.sqrt(size**2 / (12.0 * np.where(size > 1.5 * count, 1, nearest) ** 2) + (_EDGE * count) ** 2 + sigma**2)
-    reading, told = 1.0 / (count**2 / 12 + sigma**2), 0.5 / crossed**2
-    own = np.where(lengths > _SHORT, reading, reading - np.append(told, 0.0) - np.insert(told, 0, 0.0))  # information
+    reading, crossing = 1.0 / (count**2 / 12 + sigma**2), 0.5 / crossed**2
+    own = np.where(lengths > _SHORT, reading, reading - np.append(crossing, 0.0) - np.insert(crossing, 0, 0.0))  # information
     own, kept = np.repeat(own / lengths, lengths), np.repeat(own > _NONE * reading, lengths)
     return (
         np.concatenate([0.5 * (t[change] + t[change + 1]), t[kept]]),
