@@ -215,7 +215,7 @@ def _flip_of_scipy(near: float, gap: float, turns: int) -> float:
         fixed = brentq(lambda d: after(speed, d) - d, gap - 3e-3, gap + 3e-3, xtol=1e-12)
         return (after(speed, fixed + 1e-5) - after(speed, fixed - 1e-5)) / 2e-5 + 1.0
 
-    return float(brentq(beyond, near - 2e-5, near + 2e-5, xtol=1e-8))
+    return float(brentq(beyond, near - 2e-5, near + 2e-5, xtol=1e-9))
 
 
 @each_row("start, stop, flip", [(0.295, 0.2895, 0.2907408), (0.2495, 0.251, 0.2502567)])
@@ -228,7 +228,7 @@ def test_two_blocks_double_their_period_where_scipy_says(start, stop, flip):
     resting = (np.asarray(run.pieces.mode) == 0).all(axis=1)
     begun = np.flatnonzero(resting & ~np.roll(resting, 1))
     x = run.at(float(run.pieces.t[begun[-1]]) + 1e-9)["x"]
-    assert special.value == pytest.approx(_flip_of_scipy(flip, float(x[1] - x[0]), len(begun)), abs=2e-7)
+    assert special.value == pytest.approx(_flip_of_scipy(flip, float(x[1] - x[0]), len(begun)), abs=1e-7)
 
 
 # ---- a drill string of two discs (numbers of the kind of Navarro-Lopez and Suarez 2004; SciPy and eigenvalues are the judges) ----
