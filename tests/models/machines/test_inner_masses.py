@@ -30,7 +30,7 @@ def as_one(robot):
 
 
 # 6e-14 is rounding of a run of 60 periods; the numbers are given to 12 digits
-@pytest.mark.parametrize(("alpha", "known"), [(0.3, -0.293377298877835), (0.05, -0.493831497249273)])
+@each_row("alpha, known", [(0.3, -0.293377298877835), (0.05, -0.493831497249273)])
 def test_two_masses_have_the_mean_velocity_that_is_known(alpha, known):
     robot = dimensionless(alpha, 0.0)
     run = ss.solve(robot, periods=400 if alpha < 0.1 else 60)

@@ -42,7 +42,7 @@ def test_den_hartogs_amplitude_is_his():
     assert den_hartog_amplitude(0.7, 0.3) == pytest.approx(1.88569985041425, rel=1e-12)
 
 
-@pytest.mark.parametrize(("ratio", "friction"), [(0.7, 0.3), (0.9, 0.6), (1.7, 0.3)])
+@each_row("ratio, friction", [(0.7, 0.3), (0.9, 0.6), (1.7, 0.3)])
 def test_the_forced_oscillator_has_den_hartogs_amplitude(ratio, friction):
     """What is left of the transient is below 1e-10 after 60 periods; steps and events are held to 1e-12."""
     bench = oscillator(friction, omega=ratio)
