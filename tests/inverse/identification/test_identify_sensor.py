@@ -351,6 +351,7 @@ def hidden():
     return ss.identify(records, RIG, free=free, tilt_deg=1.7, amplitude=AMPLITUDES)
 
 
+@pytest.mark.slow
 def test_a_search_goes_on_where_nothing_but_noise_is_left(hidden):
     near = polished(hidden.problem, hidden.problem.aligned(hidden.problem.parameters.point(TRUTH)))
     assert hidden.cost < near.cost + 0.1 * hidden.scale**2

@@ -70,8 +70,8 @@ def test_the_bootstrap_is_the_same_for_any_number_of_workers(fit):
 
 def test_common_steps_end_where_each_replicates_own_search_ends(fit):
     """To a third of what one standard error costs in the sum of squares: their derivatives are those at the fit."""
-    table = bootstrap(fit, 6, seed=1)
-    for r in range(6):
+    table = bootstrap(fit, 3, seed=1)
+    for r in range(3):
         problem = _resampled_problem(fit, np.random.default_rng([1, r]))
         own = polished(problem, fit.point)
         held = problem.only(dict(zip(fit.names, table[r].tolist(), strict=True)))  # phase and frequency are free in both
