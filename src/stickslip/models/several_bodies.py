@@ -114,12 +114,12 @@ class SeveralBodies(Mechanics):
     def rows(self, t: Numeric, q: Numbers) -> tuple[tuple[Any, ...], ...]:
         """The same with the numbers that contacts say."""
         n = len(self.groups)
-        return tuple(tuple(dict(row).get(k, 0.0) for k in range(n)) for _, row in self._rows)
+        return tuple(tuple(dict(row).get(k, 0.0) for k in range(n)) for row in self._rows)
 
     @cached_property
-    def _rows(self) -> tuple[tuple[Any, list[tuple[int, Any]]], ...]:
-        """Each contact with what its slip takes of coordinates, where that is not zero."""
-        return tuple((contact, self._row_of(contact)) for contact in self.joints.values())
+    def _rows(self) -> list[list[tuple[int, Any]]]:
+        """What the slip of each contact takes of coordinates, where that is not zero."""
+        return [self._row_of(contact) for contact in self.joints.values()]
 
     @cached_property
     def _ends(self) -> list[list[tuple[int, float]]]:
@@ -216,11 +216,11 @@ class SeveralBodies(Mechanics):
         time = 1.0 if time is None else time
         start, still = self.start, (0.0,) * len(self.groups)
         largest: Any = 0.0
-        for q, contact in zip(self.loads(0.0, start), self.joints.values(), strict=True):
+        for q, contact, row in zip(self.loads(0.0, start), self.joints.values(), self._rows, strict=True):
             if isinstance(contact.body, str):
                 largest = maximum(largest, _LEAST * abs(q) / self.masses[self.coordinate[contact.body]] * time)
             else:
-                lightness = _sum(g * g / self.masses[c] for c, g in self._row_of(contact))
+                lightness = _sum(g * g / self.masses[c] for c, g in row)
                 largest = maximum(largest, _LEAST * abs(q) * lightness * time)
         for k in range(_LOOKS if self.period is not None else 1):
             t = time * (k / _LOOKS)
@@ -251,7 +251,7 @@ class SeveralBodies(Mechanics):
             tension = pull(t, _distance(ends, x), _distance(ends, v))
             for c, g in entries:
                 total[c] = signed_less(total[c], g, tension)
-        for (_, row), force in zip(self._rows, R, strict=True):
+        for row, force in zip(self._rows, R, strict=True):
             for c, g in row:
                 total[c] = signed_less(total[c], g, force)
         return tuple(force / mass for force, mass in zip(total, self.masses, strict=True))
@@ -306,7 +306,7 @@ class SeveralBodies(Mechanics):
     def slips(self, t: Numeric, u: Numbers, q: Numbers = ()) -> tuple[Any, ...]:
         """Slip velocity of each contact [m/s]."""
         slips = []
-        for (_, row), offset in zip(self._rows, self.offsets(t), strict=True):
+        for row, offset in zip(self._rows, self.offsets(t), strict=True):
             total: Any = 0.0
             for c, g in row:
                 total = signed_less(total, -g, u[c])

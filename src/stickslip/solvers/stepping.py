@@ -56,7 +56,8 @@ def run(todo: Request, tableau: lanes.AnySteps, rtol: float) -> Trajectory | Sum
         checks.check_numbers(todo.model)
         t = (float(results.pieces[-1, 0]) * table.span[0] + float(results.pieces[-1, 2])) if len(results.pieces) else 0.0
         sides = results.pieces[:, 4 : 4 + kernel.contacts]
-        raise SolveError(_stopped(todo, results, kernel, table, 0, t, sides), stopped.rattling(status, sides))
+        status = stopped.rattling(status, sides)
+        raise SolveError(_stopped(todo, results, kernel, table, 0, status, t, sides), status)
     counts = {"steps": int(results.accepted[0]), "rejected": int(results.rejected[0])}
     return trajectory(todo, method, _pieces(results.pieces, kernel, table, todo.periods), counts, status if status in ENDS else 0)
 
@@ -70,9 +71,11 @@ def run_of_two(todo: Request, first: Any, one: tuple[lanes.AnySteps, float], oth
     return gather(todo, method, _parts(todo, kernel, job, (first, rest, of_rest)))
 
 
-def _stopped(todo: Request, results: lanes.Results, kernel: lanes.Kernel, table: CaseTable, case: int, t: float, sides: Any) -> str:
+def _stopped(
+    todo: Request, results: lanes.Results, kernel: lanes.Kernel, table: CaseTable, case: int, status: int, t: float, sides: Any
+) -> str:  # fmt: skip
     """The message of a run, or of one of the cases of a table, that could not be finished."""
-    mechanics, status = machine_of(table.model_of(case)).mechanics, stopped.rattling(int(results.status[case]), sides)
+    mechanics = machine_of(table.model_of(case)).mechanics
     q, u, _ = table.ends(results)
     done = "" if todo.model.period is None else f" after {results.periods_run[case]} of {todo.periods} periods,"
     where = stopped.location(mechanics, t, u[case], sides, q[case])
@@ -87,7 +90,7 @@ def _failures(todo: Request, results: lanes.Results, kernel: lanes.Kernel, table
         return {}
     early = np.flatnonzero(np.isfinite(results.ended))[: stopped.FAILURES].tolist()
     times = {i: float(results.periods_run[i] * table.span[i] + results.ended[i]) for i in early}
-    return {i: _stopped(todo, results, kernel, table, i, t, None) for i, t in times.items()}
+    return {i: _stopped(todo, results, kernel, table, i, int(results.status[i]), t, None) for i, t in times.items()}
 
 
 def _state(end: Any, offsets: Any, layout: StateLayout) -> str:

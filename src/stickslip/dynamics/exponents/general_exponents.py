@@ -6,7 +6,7 @@ The derivative may be given; else the function's own lines are called with numbe
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -19,7 +19,7 @@ from stickslip.basics.fields import floats
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import Ending, interruptible, look, looking, partial_result
 from stickslip.basics.notebook_display import Drawn, rounded, with_error
-from stickslip.dynamics.exponents.growing_frames import compiled_flow, orbit_of_map, stretches_of
+from stickslip.dynamics.exponents.growing_frames import compiled_flow, growth_along, orbit_of_map, stretches_of
 from stickslip.dynamics.flows.flow_stretches import needs_flow
 from stickslip.solvers.flow_engine import unknown
 from stickslip.solvers.plain.user_functions import coordinates_of_map, of_state
@@ -183,16 +183,20 @@ def lyapunov_of_map(
     coordinates_of_map(f, x)  # which says what is wrong with f
     motion = orbit_of_map(f, x, jacobian)
     motion.settled(settle)
-    logs, done = np.empty((int(iterations), len(x))), 0
-    with partial_result() as ending:
-        while done < len(logs):
-            look()
-            part = motion.grown(min(motion.most, len(logs) - done))
-            logs[done : done + len(part)] = part
-            done += len(part)
+    logs, done, ending = _collected(growth_along(motion, int(iterations)), (int(iterations), len(x)))
     if not np.isfinite(motion.x).all():
         raise InputError("lyapunov_of_map", [f"the map diverges from x0 = {x0!r}; give a start on its attractor"])
     return replace(_noted(logs, done, 1.0, "iteration", ending), method=motion.method)
+
+
+def _collected(parts: Iterable[Array], shape: tuple[int, int]) -> tuple[Array, int, Ending]:
+    """Growth in parts of a motion as one array, how much of it is there, and whether it was interrupted."""
+    logs, done = np.empty(shape), 0
+    with partial_result() as ending:
+        for part in parts:
+            logs[done : done + len(part)] = part
+            done += len(part)
+    return logs, done, ending
 
 
 def _noted(logs: Array, done: int, every: float, unit: str, ending: Ending) -> Lyapunov:
@@ -303,12 +307,9 @@ def _by_scipy(why: str) -> str:
 def _of_stretches(flow: Any, x: Array, mode: Any, why: str, *, duration: float, settle: float, every: float, rtol: float) -> Lyapunov:
     """The exponents of a flow from the growth in its stretches; `why` says why the engine cannot follow it, if that is so."""
     every = float(flow.period or every)
-    count, done = max(int(duration / every), 1), 0
-    logs = np.empty((count, len(x) - len(flow.drifts.free)))
-    with partial_result() as ending:
-        for part in stretches_of(flow, x, mode, count=count, settle=int(np.ceil(max(settle, 0.0) / every)), every=every, rtol=rtol):
-            logs[done : done + len(part)] = part
-            done += len(part)
+    count = max(int(duration / every), 1)
+    parts = stretches_of(flow, x, mode, count=count, settle=int(np.ceil(max(settle, 0.0) / every)), every=every, rtol=rtol)
+    logs, done, ending = _collected(parts, (count, len(x) - len(flow.drifts.free)))
     return replace(_noted(logs, done, every, "unit of time", ending), method=_by_scipy(why) if why else "compiled")
 
 

@@ -95,6 +95,13 @@ def orbit_of_map(f: Callable[..., Any], x: Array, jacobian: Callable[[Any], Any]
     return compiled
 
 
+def growth_along(orbit: CompiledMap | PlainMap, count: int) -> Iterator[Array]:
+    """Logarithms of the growth in so many iterations: arrays (iterations, n), `count` in all."""
+    for first in range(0, count, orbit.most):
+        look()
+        yield orbit.grown(min(orbit.most, count - first))
+
+
 def _agrees(f: Callable[..., Any], compiled: CompiledMap) -> bool:
     """Whether a compiled map is that of plain Python at the first states of its orbit."""
     x = compiled.x
@@ -139,9 +146,7 @@ def stretches_of(flow: Any, state: Numeric, mode: Any, *, count: int, settle: in
     if flow.map is not None and not unknown(flow, len(y)):
         motion = CompiledMap(map_steps(flow, len(y)), flow.numbers, y)
         motion.settled(settle)
-        for first in range(0, count, motion.most):
-            look()
-            yield motion.grown(min(motion.most, count - first))
+        yield from growth_along(motion, count)
         return
     drifts, smooth, begun = flow.drifts, is_smooth(flow, len(y)), -settle
     Q = np.eye(len(y) - len(drifts.free))

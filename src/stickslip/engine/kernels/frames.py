@@ -3,6 +3,18 @@
 # mypy: ignore-errors
 
 
+@typed(void(f2, int64, float64, f2, int64))
+def reflect(A, k, turn, B, j):
+    """A column j of B as the k-th reflection, which stands in A below its diagonal, makes it."""
+    along = B[k, j]
+    for i in range(k + 1, STATES):
+        along += A[i, k] * B[i, j]
+    along *= turn
+    B[k, j] -= along
+    for i in range(k + 1, STATES):
+        B[i, j] -= along * A[i, k]
+
+
 @typed(void(f2, f1, f1))
 def reflected(A, below, turns):
     """Householder's reflections that make a matrix upper triangular, below its diagonal, and the sizes of the diagonal."""
@@ -25,13 +37,7 @@ def reflected(A, below, turns):
             for i in range(k + 1, STATES):
                 A[i, k] = A[i, k] / signed
             for j in range(k + 1, STATES):
-                along = A[k, j]
-                for i in range(k + 1, STATES):
-                    along += A[i, k] * A[i, j]
-                along *= turns[k]
-                A[k, j] -= along
-                for i in range(k + 1, STATES):
-                    A[i, j] -= along * A[i, k]
+                reflect(A, k, turns[k], A, j)
 
 
 @typed(void(f2, f1, f2))
@@ -42,13 +48,7 @@ def frame_of(A, turns, Q):
             Q[i, j] = 1.0 if i == j else 0.0
     for k in range(STATES - 1, -1, -1):
         for j in range(k, STATES):
-            along = Q[k, j]
-            for i in range(k + 1, STATES):
-                along += A[i, k] * Q[i, j]
-            along *= turns[k]
-            Q[k, j] -= along
-            for i in range(k + 1, STATES):
-                Q[i, j] -= along * A[i, k]
+            reflect(A, k, turns[k], Q, j)
 
 
 @typed(void(f2, f2, f2, f1, f1))
