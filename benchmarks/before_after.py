@@ -2,11 +2,11 @@
 
     python benchmarks/before_after.py 2282772 HEAD [--runs 10] [--only import]
 
-Processes of the two versions follow one another on one pinned core, A B A B ...; each makes all calls, warmed up, and prints the CPU
+Processes of the two versions follow one another on one pinned core, A B B A A B ...; each makes all calls, warmed up, and prints the CPU
 seconds of each. Imports and compilation have processes of their own. Python's own compilation of the sources (.pyc) is done before, as
 where a package is installed. A row is the median of the ratios pair by pair, new over old, with the second smallest and the second
 largest; and the ratio of the least of each, on which other work on the machine has the smallest part.
-Needs git and the packages that both versions import.
+Needs git and the packages that both versions import; with --python OLD NEW each has an interpreter of its own, with packages of its own.
 """
 
 from __future__ import annotations
@@ -88,6 +88,17 @@ GMS = "ss.friction.GMS(**same, sigma0=friction.sigma0, v_s=friction.v_s, attract
 FLOW = """ss.SwitchingFlow(
     {0: lambda t, y: (y[1], -9.81)}, {0: (ss.Switch(lambda t, y: y[0], 0, lambda t, y: (0.0, -0.8 * y[1])),)}, states=("height", "v")
 )"""
+OSCILLATOR = """from stickslip.maths import cos
+F, r = 0.3, 0.7
+def offered(t, y): return -y[0] + cos(r * t)
+def after(t, y): return 1 if offered(t, y) > F else -1 if offered(t, y) < -F else 0
+def stop(t, y): return y[0], 0.0
+flow = ss.SwitchingFlow(
+    {1: lambda t, y: (y[1], offered(t, y) - F), -1: lambda t, y: (y[1], offered(t, y) + F), 0: lambda t, y: (0.0 * y[0], 0.0)},
+    {1: (ss.Switch(lambda t, y: y[1], after, stop),), -1: (ss.Switch(lambda t, y: -y[1], after, stop),),
+     0: (ss.Switch(lambda t, y: F - offered(t, y), 1), ss.Switch(lambda t, y: F + offered(t, y), -1))},
+    2 * np.pi / r, states=("x", "v"))
+"""
 BRANCH = 'ss.continuation(rig, parameter="amplitude", start=5e-4, stop=6e-4, tilt_deg=1.7, law="coulomb")'
 #: Calls, which are timed one after the other in one process.
 CALLS = {
@@ -122,6 +133,9 @@ CALLS = {
         "for _ in range(10): ss.solve(belt, duration=100.0).v",
     ),
     "a map, 96 x 96": timed("", "ss.map(rig, amplitude=np.linspace(4e-4, 8e-4, 96), omega=np.linspace(150.0, 250.0, 96), tilt_deg=1.7)", 2),
+    "a sweep of Coulomb robots": timed("", 'ss.sweep(rig, amplitude=np.linspace(4e-4, 8e-4, 4096), tilt_deg=1.7, law="coulomb")'),
+    "a flow's orbit": timed(OSCILLATOR, "ss.periodic_orbit(flow).multipliers"),
+    "a flow's period, its derivatives": timed(OSCILLATOR, "for _ in range(100): ss.dynamics.passage(flow, [1.0, 0.5], 1, 2 * np.pi / r)"),
     "orbit and multipliers": timed("", "for A in (5e-4, 6e-4, 7e-4): ss.periodic_orbit(rig(tilt_deg=1.7, amplitude=A)).multipliers"),
     "continuation": timed("", BRANCH),
     "exponents": timed("", "ss.lyapunov(rig(tilt_deg=1.7, amplitude=4e-4, mu0=0.05), periods=60)", 2),
@@ -151,11 +165,11 @@ FRESH = {
 SURROUNDINGS = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
 
 
-def measure(tree: Path, cache: Path, programs: list[str]) -> list[float]:
+def measure(python: str, tree: Path, cache: Path, programs: list[str]) -> list[float]:
     """Seconds that some programs print, one after the other in one process, with the sources of one version."""
     env = {**SURROUNDINGS, "PYTHONPATH": str(tree / "src"), "STICKSLIP_CACHE_DIR": str(cache), "NUMBA_NUM_THREADS": "1"}
     together = f"for program in {programs!r}: exec(program, {{'__name__': '__main__'}})"
-    done = subprocess.run([sys.executable, "-c", together], env=env, capture_output=True, text=True, cwd=tree)
+    done = subprocess.run([python, "-c", together], env=env, capture_output=True, text=True, cwd=tree)
     if done.returncode:
         sys.exit(f"{tree}: {done.stderr[-2000:]}")
     return [float(number) for number in done.stdout.split()]
@@ -167,20 +181,24 @@ def main() -> None:
     asked.add_argument("new")
     asked.add_argument("--runs", type=int, default=10)
     asked.add_argument("--only", default="", help="measurements whose name contains this")
+    asked.add_argument("--python", nargs=2, default=[sys.executable] * 2, metavar=("OLD", "NEW"), help="their interpreters")
     given = asked.parse_args()
     with tempfile.TemporaryDirectory() as work:
         trees = [Path(work) / name for name in ("old", "new")]
-        for tree, version in zip(trees, (given.old, given.new), strict=True):
+        for tree, version, python in zip(trees, (given.old, given.new), given.python, strict=True):
             subprocess.run(["git", "-C", ROOT, "worktree", "add", "--quiet", "--detach", tree, version], check=True)
-            subprocess.run([sys.executable, "-m", "compileall", "-q", tree / "src"], env=SURROUNDINGS, check=True)
+            subprocess.run([python, "-m", "compileall", "-q", tree / "src"], env=SURROUNDINGS, check=True)
         try:
             asked_for = [{name: program for name, program in CALLS.items() if given.only in name}]
             asked_for += [{name: program} for name, program in FRESH.items() if given.only in name]
             for works in filter(None, asked_for):
                 runs: list[list[list[float]]] = []
                 with contextlib.suppress(KeyboardInterrupt):  # Ctrl-C: what is complete is reported
-                    for _ in range(given.runs):
-                        runs.append([measure(tree, Path(work) / f"cache-{tree.name}", list(works.values())) for tree in trees])
+                    for k in range(given.runs):
+                        seconds = {}
+                        for tree, python in list(zip(trees, given.python, strict=True))[:: -1 if k % 2 else 1]:
+                            seconds[tree] = measure(python, tree, Path(work) / f"cache-{tree.name}", list(works.values()))
+                        runs.append([seconds[tree] for tree in trees])
                 for k, name in enumerate(works if runs else ()):
                     report(name, [(old[k], new[k]) for old, new in runs])
         finally:

@@ -61,8 +61,7 @@ def sealed(cls: type[Record]) -> type[Record]:
         made(self, *args, **kwargs)
         for name in names:
             given = getattr(self, name)
-            kept = seal(given)
-            if kept is not given:
+            if type(given) not in _PLAIN and (kept := seal(given)) is not given:
                 object.__setattr__(self, name, kept)
 
     cls.__init__ = __init__  # type: ignore[method-assign]

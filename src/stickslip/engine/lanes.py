@@ -358,7 +358,7 @@ def _aligned(count: int) -> Any:
     import numpy as np
 
     room = np.ones(count + 7)
-    first = -(room.ctypes.data // 8) % 8
+    first = -(address_of(room) // 8) % 8
     return room[first : first + count]
 
 
@@ -412,7 +412,8 @@ def arrays_of(k: Kernel, params: Any, start: Any, job: Job, room: int, goal: int
     shared["COUNT"][:, 0] = _NOT_COMPUTED
     shared["OUT"].fill(np.nan)
     shared["NOTED"].fill(np.nan)
-    shared["PIECES"] = np.empty((room, bytes_of_piece(k) // 8))
+    if room > 0:
+        shared["PIECES"] = np.empty((room, bytes_of_piece(k) // 8))
     return _aligned(before + (k.fields + 2 * (len(k.bodies) + 2)) * k.lanes), shared
 
 
@@ -471,7 +472,8 @@ def run(
     written, todo = [], shared["JOB"]
     go_on = advance.on(S, slice_calls, address_of(shared.at), k.table)
     while go_on():
-        written.append(_taken(shared))
+        if keep_pieces:
+            written.append(_taken(shared))
         if progress is not None:
             progress(int(shared["N"][0, columns.DONE] if keep_pieces else todo[columns.NEXT]))
         if is_stopped():
@@ -481,7 +483,8 @@ def run(
     else:
         if progress is not None:
             progress(job.periods if keep_pieces else len(params))
-    written.append(_taken(shared))
+    if keep_pieces:
+        written.append(_taken(shared))
     results = _results(k, shared, written if keep_pieces else None)
     return replace(results, strobes=shared["RING"][0]) if keep_strobes else results
 

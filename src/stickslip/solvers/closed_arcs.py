@@ -18,8 +18,8 @@ from stickslip.basics.contracts import Array, Model
 from stickslip.basics.fields import are_single, is_array
 from stickslip.basics.frozen_arrays import seal
 from stickslip.engine.closed_arc_conditions import ArcNumbers, closed_of
-from stickslip.engine.kinds import known_kind
-from stickslip.engine.remembered import Remembered
+from stickslip.engine.kinds import edition_of, known_kind
+from stickslip.engine.remembered import OfFrozen, Remembered
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.position_dependence import knows_position
@@ -59,12 +59,12 @@ class _Rows:
     """The equations' numbers of all cases of a model, and what follows from them."""
 
     def __init__(self, numbers: ArcNumbers, count: int):
-        self._numbers, self._count = numbers, count
+        self._numbers, self.count = numbers, count
 
     @cached_property
     def arcs(self) -> Arcs:
         """Each number as a column."""
-        return Arcs(**seal({name: value + np.zeros(self._count) for name, value in self._numbers.numbers.items()}))
+        return Arcs(**seal({name: value + np.zeros(self.count) for name, value in self._numbers.numbers.items()}))
 
     @cached_property
     def flaw(self) -> str | None:
@@ -73,6 +73,9 @@ class _Rows:
 
 
 _kept: Remembered[_Rows] = Remembered(most=64)
+#: Of frozen batches the same by the edition of their functions: whether it has closed arcs is asked of a batch before its arcs are.
+_of_batches: OfFrozen[dict[int, _Rows]] = OfFrozen(lambda model: {})
+_MOST_KEPT = 1 << 16  # cases of a batch
 _places: Remembered[bool] = Remembered()
 
 
@@ -90,14 +93,21 @@ def dimensionless_arcs(model: Model, numbers: dict[str, Any] | None = None) -> A
 
 
 def _rows(model: Model, numbers: dict[str, Any]) -> _Rows:
-    """The equations' numbers: columns where the model's are arrays, single floats elsewhere; those of a single case are kept a while."""
+    """The equations' numbers: columns where the model's are arrays, single floats elsewhere; they are kept a while."""
 
     def evaluated() -> _Rows:
         count = next((len(value) for value in numbers.values() if is_array(value)), 1)
         return _Rows(closed_of(model).rows_with(numbers), count)
 
-    one = are_single(numbers.values())
-    return _kept((known_kind(model), array("d", numbers.values()).tobytes()), evaluated) if one else evaluated()
+    if are_single(numbers.values()):
+        return _kept((known_kind(model), array("d", numbers.values()).tobytes()), evaluated)
+    edition, kept = edition_of(model), _of_batches(model)
+    if edition is None:
+        return evaluated()
+    rows = kept.get(edition) or evaluated()
+    if rows.count <= _MOST_KEPT:
+        kept[edition] = rows
+    return rows
 
 
 def handles(model: Model) -> str | None:

@@ -233,8 +233,9 @@ def follow_flow(
         end, last = steps[-1, FIRST:].reshape(kernel.states, -1)[:n, 0], steps[-1, 4]
         steps = steps[:-1]
     last = round(float(last))
-    where = _last_before_switches(whole, steps)
-    modes = [labels[int(number) - 1] for number in _sides(whole, steps)[:, 0]]
+    sides = _sides(whole, steps)
+    where = _last_before_switches(sides)
+    modes = [labels[int(number) - 1] for number in sides[:, 0].tolist()]
     events = [ModeChange(begin + float(steps[k, 2]), modes[k], modes[k + 1]) for k in where]
     lasts = steps[:, 2] > steps[:, 1]
     long, passed = steps[lasts], steps[~lasts, FIRST:].reshape(-1, kernel.states, kernel.degree + 1)[:, :n, 0]
@@ -321,7 +322,7 @@ def _switches(result: Any, n: int, states: int) -> list[tuple[Array, Array, Arra
     """At each switch the change of the state before it, that after it with the change of its time, and the rates before it."""
     steps = _steps(result)
     c, switches = result.pieces[:, FIRST:].reshape(len(result.pieces), states, -1), []
-    for k in _last_before_switches(result, steps):
+    for k in _last_before_switches(_sides(result, steps)):
         after = c[k + 1, n : 2 * n + 1, 0] if k + 1 < len(c) else result.end[0, 1 + n : 2 + 2 * n]
         h = steps[k, 2] - steps[k, 1]
         rates = (c[k, :n] * np.arange(c.shape[-1])).sum(axis=-1) / h if h > 0.0 else np.zeros(n)
@@ -342,9 +343,9 @@ def _sides(result: Any, steps: Array) -> Array:
     return np.concatenate([steps[:, 4:6], after])
 
 
-def _last_before_switches(result: Any, steps: Array) -> Array:
+def _last_before_switches(sides: Array) -> Array:
     """The steps after which there is one switch more than before."""
-    return np.flatnonzero(np.diff(_sides(result, steps)[:, 1]) > 0)
+    return np.flatnonzero(sides[1:, 1] > sides[:-1, 1])
 
 
 def ends(flow: SwitchingFlow, states: Array, modes: Array, duration: Numeric, begin: float = 0.0) -> tuple[Array, Array, Array]:

@@ -18,7 +18,7 @@ from stickslip.basics.status import ENDS, STATUS, Status, interrupted_at
 from stickslip.results.steadiness import STEADY, UNKNOWN, mean_tolerance, steadiness_codes
 from stickslip.results.summary import Columns, Summary
 from stickslip.results.trajectory import Trajectory
-from stickslip.solvers.part_results import RawParts, columns_of_parts, of_own_parts, per_case
+from stickslip.solvers.part_results import RawParts, columns_of_parts, of_own_parts, per_case, types_of
 from stickslip.solvers.request import provenance
 from stickslip.solvers.settings import Request
 from stickslip.solvers.stopped import FAILURES, remedy as remedy_of
@@ -125,6 +125,11 @@ class _Cases:
         """Mean velocities over the window."""
         with np.errstate(invalid="ignore", divide="ignore"):
             return self.known(displacement / per_case(self.raw.window * self.T, displacement))
+
+    @cached_property
+    def types(self) -> dict[str, Any]:
+        """What several columns say of how contacts move."""
+        return types_of(self)
 
     @cached_property
     def good(self) -> Any:

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.batch import Labels, flat, spread_over_cases
+from stickslip.basics.batch import Labels, flat, of_cases, spread_over_cases
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems, did_you_mean
-from stickslip.basics.fields import number
+from stickslip.basics.fields import number, replace_leaf
 from stickslip.basics.variables import unit_of
 from stickslip.models.kept_heights import above, least_height
 from stickslip.models.machine_adapter import MachineAdapter, machine_of
@@ -30,9 +30,11 @@ LARGEST_START = 1e9
 RESOLVED = 1e-8
 
 
-def flattened(model: Model, labels: Labels) -> MachineAdapter:
-    """The adapter of a machine whose numbers are columns of its cases; of a single case its own."""
-    return machine_of(flat(model) if labels.shape else model)
+def flattened(model: Model, labels: Labels, numbers: dict[str, Any] | None = None) -> MachineAdapter:
+    """The adapter of a machine whose numbers are columns of its cases, where these are at hand; of a single case its own."""
+    if not labels.shape:
+        return machine_of(model)
+    return machine_of(flat(model) if numbers is None else replace_leaf(model, of_cases(numbers, labels)))
 
 
 def start_states(model: Model, labels: Labels, start: Any, problems: Problems, machine: MachineAdapter | None = None) -> Any:
@@ -43,31 +45,39 @@ def start_states(model: Model, labels: Labels, start: Any, problems: Problems, m
     """
     of, counted = machine or flattened(model, labels), len(problems.mistakes)
     m, cases = of.mechanics, labels.cases
-    inner, held, memories = sum(law.states for law in m.laws), sum(m.controllers.counts), sum(law.modes for law in m.laws)
-    ends = [*itertools.accumulate((m.coordinates, m.coordinates, inner, held, memories), initial=0)]
-    table = np.zeros((cases, ends[-1]))
-    q, u, z, control, memory = (table[:, begin:end] for begin, end in itertools.pairwise(ends))
+    n, (inner, held, memories) = m.coordinates, _held_by(m)
+    table = np.zeros((cases, 2 * n + inner + held + memories))
+    q, u = table[:, :n], table[:, n : 2 * n]
     parts = {} if start is None else _parts_of(m)
     given = {} if start is None else _given(m, parts, start, problems)
     fill = _Filling(parts, given, labels, problems)
     _move(m, model, fill, q, u)
     places, rates = _numbers(q), _numbers(u)
+    _check_heights(m, places, rates, problems)
     loads = [_looked_at(m, i, places, rates) for i in range(len(m.contacts))] if m.joined else m.loads(0.0, places, rates)
     _check_loads(m, loads, problems)
     if inner:
+        z = table[:, 2 * n : 2 * n + inner]
         loads = m.loads(0.0, places, rates) if m.joined else loads
         _begin(m, places, rates, loads, z)
         fill.into("z", z)
     if held:
+        control = table[:, 2 * n + inner : 2 * n + inner + held]
         _put_columns(m.control_start(0.0, places, rates), control)
         fill.into("control", control)
     if memories:
+        memory = table[:, 2 * n + inner + held :]
         fill.into("memory", memory)
         if np.any(memory != np.round(memory)):
             problems.add(f"start memory = {given['memory']!r}; allowed are whole numbers; type memory={(0,) * memories}")
     if given and len(problems.mistakes) == counted:
         _check_sizes(of, q, table, problems)
     return table
+
+
+def _held_by(m: Mechanics) -> tuple[int, int, int]:
+    """How many numbers beside positions and velocities belong to a state: of laws inner ones, of controllers, memories of laws."""
+    return sum([law.states for law in m.laws]), sum(m.controllers.counts), sum([law.modes for law in m.laws])
 
 
 def _parts_of(m: Mechanics) -> dict[str, dict[str, int]]:
@@ -116,10 +126,10 @@ def _move(m: Mechanics, model: Model, fill: _Filling, q: Array, u: Array) -> Non
         _check_distances(m, x, q, v, u, fill.problems)
     else:
         _put_columns(m.start, q)
-    _check_stops(m, q, fill.problems)
+    if m.stops:
+        _check_stops(m, q, fill.problems)
     if m.joined:
         _check_inertia(m, q, fill.problems)
-    _check_heights(m, q, u, fill.problems)
 
 
 def _begin(m: Mechanics, q: Any, u: Any, loads: Any, into: Array) -> None:
@@ -272,9 +282,9 @@ def _check_inertia(mechanics: Any, q: Array, problems: Problems) -> None:
         )
 
 
-def _check_heights(mechanics: Mechanics, q: Array, u: Array, problems: Problems) -> None:
+def _check_heights(mechanics: Mechanics, q: Any, u: Any, problems: Problems) -> None:
     """Note points that a contact keeps on the ground and that do not begin there, or leave it; those that fly begin nowhere below it."""
-    heights = mechanics.heights(0.0, tuple(q.T), tuple(u.T))
+    heights = mechanics.heights(0.0, q, u)
     if not heights:
         return
     low, slow = least_height(mechanics)
@@ -310,7 +320,7 @@ def _check_above(where: str, gap: Any, rate: Any, problems: Problems) -> None:
 
 def _check_stops(mechanics: Mechanics, q: Array, problems: Problems) -> None:
     """Note stops with restitution beyond which all cases begin; of some cases the status says it."""
-    size = np.max(abs(q), initial=0.0) if mechanics.stops else 0.0
+    size = np.max(abs(q), initial=0.0)
     for stop in mechanics.stops:
         gap = np.asarray(stop.gap(0.0, tuple(q.T)), float)
         if np.all(gap < -_SAME * max(size, 1e-300)):

@@ -51,8 +51,8 @@ class CaseTable:
         own = numbers_by_name(model, which) if own is None else own
         flat = machine if machine.model is not model or are_single(own.values()) else machine_of(replace_leaf(model, own))
         self.model, self.which = model, which
-        self.span = np.broadcast_to(span, (cases,))
-        known = {trace.SPAN: self.span} | (more or {}) | own
+        self.span = span if np.shape(span) == (cases,) else np.broadcast_to(span, (cases,))
+        known = {trace.SPAN: self.span, **(more or {}), **own}
         self.rows = np.empty((cases, len(kernel.names)))
         for column, name in enumerate(kernel.names):
             self.rows[:, column] = known.get(name, 0.0)

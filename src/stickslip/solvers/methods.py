@@ -326,7 +326,7 @@ def _refusal(method: Method, model: Model) -> str | None:
         return method.accepts(model)
     from stickslip.engine.kinds import known_kind
 
-    return _refusals((method, known_kind(model)), lambda: method.accepts(model))
+    return _refusals((method.title, known_kind(model)), lambda: method.accepts(model))
 
 
 def method_for(name: str, model: Model, observed: bool = False, pauses: bool = False) -> Method:

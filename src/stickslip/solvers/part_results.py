@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cache, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -78,9 +78,11 @@ def columns_of_parts(cases: Any) -> dict[str, Callable[[], Any]]:
     """
     raw: RawParts = cases.raw.parts
     counts = {"body": raw.displacement.shape[1], "contact": raw.seg_count.shape[1], "stop": raw.hits.shape[1]}
-    type_of_each = cache(lambda: _types(cases, raw))
 
-    columns: dict[str, Callable[[], Any]] = {name: partial(lambda name: type_of_each()[name], name) for name in OF_TYPE}
+    def of_type(name: str) -> Any:
+        return cases.types[name]
+
+    columns: dict[str, Callable[[], Any]] = {name: partial(of_type, name) for name in OF_TYPE}
     columns |= {
         "body_velocity": lambda: cases.over_time(raw.displacement),
         "body_displacement": lambda: cases.known(raw.displacement),
@@ -98,8 +100,9 @@ def columns_of_parts(cases: Any) -> dict[str, Callable[[], Any]]:
     return {name: make for name, make in columns.items() if counts[_dim(name)] > 0}
 
 
-def _types(cases: Any, raw: RawParts) -> dict[str, Any]:
+def types_of(cases: Any) -> dict[str, Any]:
     """The columns about the motion type of each contact. Net motion below a part of the largest slip velocity has no direction."""
+    raw: RawParts = cases.raw.parts
     contacts = raw.seg_count.shape[1]
 
     def of_each(values: Array) -> Array:

@@ -53,7 +53,7 @@ def request(model: Model, settings: Settings) -> Request:
         problems.add(f"settle = {settle!r}; allowed is {allowed}; type for example settle=100")
     _check_thresholds(given, problems)
     _check_names(labels, given, problems)
-    states = start_states(model, labels, given.start, problems, machine := flattened(model, labels))
+    states = start_states(model, labels, given.start, problems, machine := flattened(model, labels, numbers))
     problems.check()
     keep = given.keep or ("summary" if labels.shape else "trajectory")
     observed = checked_observables("solve", given.observe, VARIABLES)
@@ -91,6 +91,8 @@ def _numbers_of(model: Model, problems: Problems) -> dict[str, Any]:
     """The numbers of a model by name; `InputError` where one is none."""
     numbers = dict(leaves(model))
     for name, value in numbers.items():
+        if type(value) is float:  # the usual case, without further checks
+            continue
         try:
             number(value)
         except ValueError as error:

@@ -246,21 +246,15 @@ def _raw_parts(r: lanes.Results, kernel: lanes.Kernel, table: CaseTable, carried
 def _pieces(pieces: Any, kernel: lanes.Kernel, table: CaseTable, periods: int) -> PolynomialPieces:
     """The recorded steps of one case as dense output."""
     period = float(table.span[0])
-    pieces = _those(pieces, pieces[:, 0] < periods)
-    ends = np.where(pieces[:, 2] >= period, (pieces[:, 0] + 1) * period, pieces[:, 0] * period + pieces[:, 2])
-    t = np.concatenate([[0.0], ends])
-    good = t[1:] > t[:-1]
-    pieces, t = _those(pieces, good), t if good.all() else np.concatenate([[0.0], ends[good]])
-    contacts = kernel.contacts
-    first = 4 + contacts + kernel.modes
+    number, to = pieces[:, 0], pieces[:, 2]
+    t = np.zeros(len(pieces) + 1)
+    t[1:] = np.where(to >= period, (number + 1) * period, number * period + to)
+    good = (t[1:] > t[:-1]) & (number < periods)
+    if not good.all():
+        pieces, t = pieces[good], np.concatenate([t[:1], t[1:][good]])
+    first = 4 + kernel.contacts + kernel.modes
     coefficients = np.array(pieces[:, first:]).reshape(len(pieces), kernel.states, kernel.degree + 1)
     coefficients[:, : len(kernel.owners), 0] += table.offsets[0]
-    memory = pieces[:, 4 + contacts : first].astype(np.int32)
-    x = pieces[:, 3] + table.carried[0] * t[:-1]
-    ways = x[:, None] if kernel.layout.ways else np.empty((len(x), 0))
-    return PolynomialPieces(t, pieces[:, 4 : 4 + contacts].astype(np.int8), ways, coefficients, memory, kernel.layout)
-
-
-def _those(rows: Any, good: Any) -> Any:
-    """The rows that are good; the same array where all are."""
-    return rows if good.all() else rows[good]
+    memory = pieces[:, 4 + kernel.contacts : first].astype(np.int32)
+    ways = pieces[:, 3:4] + table.carried[0] * t[:-1, None] if kernel.layout.ways else np.empty((len(pieces), 0))
+    return PolynomialPieces(t, pieces[:, 4 : 4 + kernel.contacts].astype(np.int8), ways, coefficients, memory, kernel.layout)
