@@ -7,7 +7,6 @@ import xarray as xr
 from numpy.typing import NDArray
 
 import stickslip as ss
-from stickslip.dynamics.periodic.limit_cycles import LimitCycle
 
 robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4)
 run = ss.solve(robot, keep="trajectory")
@@ -26,7 +25,7 @@ assert_type(ss.map(robot, amplitude=[4e-4, 5e-4], mu0=[0.1, 0.2]), xr.Dataset)
 assert_type(ss.bifurcation(robot, parameter="mu0", values=[0.1, 0.2]), xr.Dataset)
 assert_type(ss.dynamics.strobe(run), xr.Dataset)
 assert_type(ss.periodic_orbit(robot), ss.dynamics.PeriodicOrbit)
-assert_type(ss.periodic_orbit(ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0))), LimitCycle)
+assert_type(ss.periodic_orbit(ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0))), ss.dynamics.PeriodicOrbit)
 assert_type(ss.continuation(robot, parameter="mu0", start=0.2, stop=0.1), ss.dynamics.Branch)
 assert_type(ss.bench(ss.Coulomb(0.1, 0.2)), ss.analysis.Bench)
 assert_type(ss.bench([ss.Coulomb(0.1, 0.2)]), ss.analysis.Benches)

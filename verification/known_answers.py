@@ -217,7 +217,7 @@ def impacting(mu: float) -> ss.SwitchingFlow:
     return ss.SwitchingFlow({0: rates}, {0: (ss.Switch(lambda t, y, n: y[0] - 1.0, 0, hit),)}, None, {"mu": mu}, ("x", "y", "z"))
 
 
-def cycles(values: tuple[float, ...], state: object, duration: float) -> list[ss.dynamics.FlowOrbit]:
+def cycles(values: tuple[float, ...], state: object, duration: float) -> list[ss.dynamics.PeriodicOrbit]:
     """Limit cycles for rising or falling mu, each looked for from the one before."""
     found = []
     for mu in values:
@@ -239,7 +239,7 @@ def impact_fold() -> tuple[float, ...]:
     return tuple(float(np.polyfit(beyond, y, 5)[-1]) for y in (values[-6:], [orbit.duration for orbit in near]))
 
 
-def across(orbit: ss.dynamics.FlowOrbit) -> tuple[object, float]:
+def across(orbit: ss.dynamics.PeriodicOrbit) -> tuple[object, float]:
     """A guess of the cycle of the same mu on the other side of the fold, where the duration is as far above."""
     ahead = ss.dynamics.flow_orbit(impacting(0.02499), orbit.state, 0, duration=orbit.duration)
     share = (TANG[1] - orbit.duration) / (orbit.duration - ahead.duration)
@@ -338,7 +338,7 @@ def thirds() -> tuple[float, ...]:
     return (*shares, float((inside < 0).mean()))
 
 
-def pecking() -> ss.dynamics.FlowOrbit:
+def pecking() -> ss.dynamics.PeriodicOrbit:
     """The motion of the woodpecker toy, from the printed state and duration as a guess."""
     return ss.dynamics.flow_orbit(woodpecker(), LEINE, "free", duration=PECK)
 

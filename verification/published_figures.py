@@ -63,7 +63,7 @@ def fold_of_cycles() -> plt.Figure:
     return figure
 
 
-def settled(mu: float, orbit: ss.dynamics.FlowOrbit) -> float:
+def settled(mu: float, orbit: ss.dynamics.PeriodicOrbit) -> float:
     """Time between the last two hits of a long run that begins a little beside the cycle."""
     run = ss.dynamics.passage(impacting(mu), orbit.state * (1 + 1e-3), 0, 600.0)
     return run.events[-1].t - run.events[-2].t

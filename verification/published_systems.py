@@ -145,7 +145,7 @@ LEINE = (-0.000107, 0.00312, -0.3505, 31.81, 14.44)  # a state of the motion as 
 PECK = 0.146  # s; the script runs so long
 
 
-def crossing(orbit: ss.dynamics.FlowOrbit, state: int, value: float, mode: str, falls: bool = False) -> tuple[float, Array]:
+def crossing(orbit: ss.dynamics.PeriodicOrbit, state: int, value: float, mode: str, falls: bool = False) -> tuple[float, Array]:
     """Time and state where one coordinate of an orbit rises, or falls, through a value within a mode."""
     from scipy.optimize import brentq
 
@@ -158,7 +158,7 @@ def crossing(orbit: ss.dynamics.FlowOrbit, state: int, value: float, mode: str, 
     return when, at(when).state
 
 
-def fallen(orbit: ss.dynamics.FlowOrbit) -> float:
+def fallen(orbit: ss.dynamics.PeriodicOrbit) -> float:
     """Height lost in a period: the integral of the velocity, which is a sixth state here."""
     height = lambda f: lambda t, y: (*f(t, y[:5]), y[2])  # noqa: E731
     kept = lambda f: lambda t, y: (*f(t, y[:5]), y[5])  # noqa: E731

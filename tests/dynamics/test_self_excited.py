@@ -13,7 +13,7 @@ from scipy.optimize import brentq, fsolve
 import stickslip as ss
 from problems import TwoBlocks, Weakening
 from rows import each_row
-from stickslip.dynamics.periodic.limit_cycles import LimitCycle
+from stickslip.dynamics.periodic.cycle_sections import TURN
 from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.strobe_maps import strobe_map
 from stickslip.maths import exp, where
@@ -88,7 +88,7 @@ def test_under_a_law_with_bristles_stick_slip_ends_at_a_fold_just_beyond_the_tou
     An independent program (SciPy's DOP853 from event to event) has the touch at 0.6656146572272, and the largest speed of a cycle, by
     a parabola through those whose slip passes zero by 30, 45 and 60 nm/s, at 0.6656146601227.
     """
-    nearby = LimitCycle(belt(LUGRE), 1, np.array([1.06515561, 0.0, -1.00000823e-3]), 4.527192923, 0.0, 1e-12)
+    nearby = ss.dynamics.PeriodicOrbit(belt(LUGRE), 1, np.array([1.06515561, 0.0, -1.00000823e-3]), 0.0, duration=4.527192923, section=TURN)
     branch = ss.continuation(belt(LUGRE), parameter="speed", start=0.6655, stop=0.6755, guess=nearby, step=0.05, points=8)
     fold, touch = (next(s for s in branch.special if s.kind == kind) for kind in ("fold", "grazing"))
     assert touch.value == pytest.approx(0.6656146572272, abs=touch.accuracy) and touch.accuracy < 1e-10

@@ -107,16 +107,19 @@ class FlowMotion(Drawn):
 
 
 def flow_motion(run: FlowRun, settle: float | None = None) -> FlowMotion:
-    """The motion at the end of a run of a flow: of what is later than `settle`, or of its second half."""
-    begin, end = float(run.nodes[0]), float(run.nodes[-1])
-    middle = 0.5 * (begin + end) if settle is None else settle
+    """The motion at the end of a run of a flow: of what is later than `settle`, or of its second half; of a run that is a cycle of all."""
+    begin, end, known = float(run.nodes[0]), float(run.nodes[-1]), run.known_period
+    middle = begin if known is not None else 0.5 * (begin + end) if settle is None else settle
     low, high = _range(run, middle, end)
     kept = np.delete(np.arange(len(low)), run.model.drifts.free)
     low, high, lowest, highest = (each[kept] for each in (low, high, run.lowest, run.highest))
     if np.all(high - low <= _STILL * np.maximum(abs(lowest), abs(highest))):
         return _of(run, "steady", None, middle, end, 0.0)
-    returns = run.strobe_times if run.model.period is not None else passages(run, cut_of(run))
-    returns = returns[returns >= middle]
+    if known is not None:
+        returns = np.array([begin, end])
+    else:
+        returns = run.strobe_times if run.model.period is not None else passages(run, cut_of(run))
+        returns = returns[returns >= middle]
     if len(returns) < 2:
         return _of(run, "not settled", None, middle, end, np.nan)
     states = run.at(returns)
@@ -124,6 +127,8 @@ def flow_motion(run: FlowRun, settle: float | None = None) -> FlowMotion:
     swing[kept] = np.maximum(high - low, 1e-300)
     points, swing = run.model.drifts.embedded(points, swing) if run.model.drifts else (points, swing)
     rows = points / swing
+    if known is not None:
+        return _of(run, "periodic", known, begin, end, float(np.max(abs(rows[1] - rows[0]))))
     modes = np.asarray(states["mode"])
     misses = [float(np.max(abs(rows[-1] - rows[-1 - p]))) for p in range(1, min(_LONGEST, len(rows) - 1) + 1)]
     for p, miss in enumerate(misses, start=1):

@@ -173,12 +173,14 @@ class Oscillation(Drawn):
 
 
 def oscillation(run: Trajectory, slip_ratio: float, dwell: float, settle: float | None = None) -> Oscillation:
-    """The motion at the end of a run of a machine without a period; `dwell` is a part of its cycle.
+    """The motion at the end of a run of a machine without a period, or of one that is a cycle; `dwell` is a part of its cycle.
 
     What is earlier than `settle` [s] is not looked at, or the first half of the run.
     """
     run = run.with_axes
     begin, end = float(run.pieces.t[0]), float(run.pieces.t[-1])
+    if run.known_period is not None:
+        return _of_stretch(run, "", run.known_period, begin, end, _missed(run, begin, end), slip_ratio, dwell)
     settle = 0.5 * (begin + end) if settle is None else settle
     late = np.unique(np.concatenate([run.t[run.t >= settle], [end]]))
     v = _velocities(run, late)
@@ -194,12 +196,6 @@ def oscillation(run: Trajectory, slip_ratio: float, dwell: float, settle: float 
     if turns is None:
         return _of_stretch(run, "not settled", None, float(returns[-2]), float(returns[-1]), change, slip_ratio, dwell)
     return _of_stretch(run, "", turns, float(returns[-1 - turns]), float(returns[-1]), change, slip_ratio, dwell)
-
-
-def oscillation_of_cycle(run: Trajectory, turns: int, change: float) -> Oscillation:
-    """The motion of a run that is one cycle, which repeats after these turns; `change` is how far it comes back from where it began."""
-    run = run.with_axes
-    return _of_stretch(run, "", turns, float(run.pieces.t[0]), float(run.pieces.t[-1]), change, SLIP_RATIO, DWELL)
 
 
 def kind_of_cycle(patterns: Sequence[str], inner_states: bool) -> str:
@@ -244,6 +240,17 @@ def _repeats(run: Trajectory, returns: Array, v: Array) -> tuple[int | None, flo
         if miss <= near and lasting:
             return p, miss
     return None, min(misses, default=np.nan)
+
+
+def _missed(run: Trajectory, begin: float, end: float) -> float:
+    """How far the states at the end of a cycle are from those at its beginning, as a part of their swing."""
+    ends, v = run.at(np.array([begin, end])), _velocities(run, run.t)
+    x = np.asarray(ends["x"], float).reshape(2, -1)
+    z = np.asarray(ends["z"], float).reshape(2, -1) if ends["z"] is not None else np.zeros((2, 0))
+    rows, inner = np.column_stack([_velocities(run, np.array([begin, end])), x - x[:, :1], z]), np.max(abs(z), axis=0, initial=0.0)
+    way = np.full(x.shape[1], max(float(np.ptp(v)) * (end - begin), 1e-300))
+    sizes = np.concatenate([np.maximum(np.ptp(v, axis=0), 1e-300), way, np.where(inner > 0, inner, 1.0)])
+    return float(np.max(abs(rows[1] - rows[0]) / sizes))
 
 
 def _of_stretch(

@@ -18,7 +18,6 @@ from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.basics.fields import floats
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.maths import bisected
-from stickslip.models.flow_contacts import resting_contacts
 from stickslip.models.friction.law_adapter import SWITCHES
 from stickslip.models.model_adapter import adapter_of
 
@@ -102,33 +101,6 @@ def asked_for(what: str, section: Any, model: Any) -> Asked:
         return asked
     mistake = f"section = {asked.name!r}, which goes on with the spring's far end"
     raise InputError(what, [f"{mistake}; allowed is the velocity; type section=('v', 0.0)"])
-
-
-def modes_passed(flow: Any, name: str) -> tuple[list[bool], list[bool]]:
-    """Of each mode of a flow whether a switch of this name may come from it, and whether it may lead to it.
-
-    Examples
-    --------
-    >>> import stickslip as ss
-    >>> hit = ss.Switch(lambda t, y: y[0], "up", lambda t, y: (0.0, -y[1]))
-    >>> fall = lambda t, y: (y[1], -9.81)
-    >>> modes_passed(ss.SwitchingFlow({"down": fall, "up": fall}, {"down": (hit,)}), "down to up")
-    ([True, False], [False, True])
-    """
-    kind, _, contact = name.partition(" of ")
-    rests = resting_contacts(flow.contacts, *flow.given_once)
-    if kind in SWITCHES and contact in rests:
-        still = [sides[rests.index(contact)] == 0 for _, sides in flow.labels.values()]
-        moves = [not each for each in still]
-        return (moves, still) if kind == "stick" else (still, moves)
-    pairs = [(a, b) for a in flow.modes for b in flow.modes if f"{a} to {b}" == name]
-    return [any(a == mode for a, _ in pairs) for mode in flow.modes], [any(b == mode for _, b in pairs) for mode in flow.modes]
-
-
-def switches_in(run: Any, name: str) -> Array:
-    """The instants of a run at which a contact sticks, or slips."""
-    kind, _, contact = name.partition(" of ")
-    return np.array([event.t for event in run.events if event.kind == kind and event.part == contact])
 
 
 def states_in(run: Any, t: Array) -> dict[str, Array]:

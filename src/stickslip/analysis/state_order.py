@@ -97,7 +97,7 @@ def order_of(model: Model, machine: MachineAdapter | None = None) -> Order:
     """
     own = adapter_of(model) if machine is None else machine
     if (names := own.own_states) is not None:
-        return Order(names, slice(0, len(names)), slice(len(names), len(names)), slice(0, 0), (), False, own_sections=own.sections)
+        return order_of_names(names, own.sections)
     machine = machine_of(model) if machine is None else machine
     if not machine.names_parts:
         count, placed = law_of(model).states, int(knows_position(model))
@@ -113,6 +113,11 @@ def order_of(model: Model, machine: MachineAdapter | None = None) -> Order:
              "type ss.solve(machine) for its motion from a start"],
         )  # fmt: skip
     return _of_layout(layout_of(model), needed_positions(model), machine.mechanics.flying)
+
+
+def order_of_names(names: tuple[str, ...], sections: Mapping[str, float] | None = None) -> Order:
+    """The order of states that a model names itself; `sections` are those by which a section may be cut."""
+    return Order(names, slice(0, len(names)), slice(len(names), len(names)), slice(0, 0), (), False, own_sections=sections)
 
 
 def _of_layout(layout: StateLayout, kept: tuple[int, ...], flying: tuple[int, ...]) -> Order:

@@ -38,7 +38,6 @@ from .exponents.zero_one import (
     zero_one_test as zero_one_test,
 )
 from .flows.flow_orbits import (
-    FlowOrbit as FlowOrbit,
     flow_orbit as flow_orbit,
     switching_flow as switching_flow,
 )
@@ -48,7 +47,7 @@ from .periodic.certify import (
     Certificate as Certificate,
     certify as certify,
 )
-from .periodic.periodic_orbits import PeriodicOrbit as PeriodicOrbit
+from .periodic.closed_orbits import PeriodicOrbit as PeriodicOrbit
 from .stroboscopic.sections import (
     poincare as poincare,
     spectrum as spectrum,

@@ -23,7 +23,7 @@ from stickslip.basics.fields import checked_number
 from stickslip.basics.forward_ad import Nested, without_slopes
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.maths import where
-from stickslip.models.friction.law_adapter import TINY, LawAdapter, adapted, is_law
+from stickslip.models.friction.law_adapter import SWITCHES, TINY, LawAdapter, adapted, is_law
 
 SIGNS = {-1: "-", 0: "0", 1: "+"}  #: of a mode's name: it slides backwards, rests, slides forwards
 NOT_LINEAR = (  #: to be formatted with the name of a contact
@@ -140,6 +140,27 @@ def inner_scales(contacts: Mapping[str, FlowContact], y: Sequence[float], *n: An
 def resting_contacts(contacts: Mapping[str, FlowContact], *n: Any) -> tuple[str, ...]:
     """The names of the contacts that can rest, so that modes say what each of them does."""
     return tuple(name for name, contact in contacts.items() if not contact.law(*n).dynamic)
+
+
+def modes_passed(flow: Any, name: str) -> tuple[list[bool], list[bool]]:
+    """Of each mode of a flow whether a switch of this name may come from it, and whether it may lead to it.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> hit = ss.Switch(lambda t, y: y[0], "up", lambda t, y: (0.0, -y[1]))
+    >>> fall = lambda t, y: (y[1], -9.81)
+    >>> modes_passed(ss.SwitchingFlow({"down": fall, "up": fall}, {"down": (hit,)}), "down to up")
+    ([True, False], [False, True])
+    """
+    kind, _, contact = name.partition(" of ")
+    rests = resting_contacts(flow.contacts, *flow.given_once)
+    if kind in SWITCHES and contact in rests:
+        still = [sides[rests.index(contact)] == 0 for _, sides in flow.labels.values()]
+        moves = [not each for each in still]
+        return (moves, still) if kind == "stick" else (still, moves)
+    pairs = [(a, b) for a in flow.modes for b in flow.modes if f"{a} to {b}" == name]
+    return [any(a == mode for a, _ in pairs) for mode in flow.modes], [any(b == mode for _, b in pairs) for mode in flow.modes]
 
 
 def mode_labels(fields: Mapping[Any, Any], resting: Sequence[str]) -> dict[Any, tuple[Any, tuple[int, ...]]]:

@@ -30,7 +30,8 @@ def mean_rates(run: Any) -> dict[str, float]:
         t, points = run.nodes[[0, -1]], np.vstack([run.coefficients[0, :, 0], run.state])
     else:
         t, points = run.strobe_times, run.strobe
-        count = window_count(len(t) - 1, int(run.settle), repeats_after(run.model, points, recurrence)) if len(t) > 1 else 0
+        period = run.known_period or repeats_after(run.model, points, recurrence) if len(t) > 1 else 1
+        count = window_count(len(t) - 1, int(run.settle), period) if len(t) > 1 else 0
         t, points = t[-1 - count :], points[-1 - count :]
     if len(t) < 2:
         return dict.fromkeys(cyclic.names, float("nan"))

@@ -40,6 +40,7 @@ def description_of(run: FlowRun) -> str:
     """The numbers, the names and the modes of the flow, and the settings of the run, as text."""
     flow = run.model
     kept: dict[str, Any] = {name: getattr(run, name) for name in _OF_RUN}
+    kept |= {} if run.known_period is None else {"known_period": run.known_period}
     kept |= {"numbers": flow.numbers, "names": run.names, "modes": list(map(repr, flow.modes))}
     return json.dumps(as_plain(kept))
 
@@ -61,7 +62,7 @@ def run_from(arrays: dict[str, Array], text: str, given: Sequence[Any]) -> dict[
     passed = arrays.get("passed", np.empty((0, states)))
     pieces = FlowPieces(arrays["t"], arrays["mode"], arrays["coefficients"], passed, switches, arrays["end"], modes[int(last)])
     _check_rates(flow, pieces, _NEAR if kept["method"] == "exact" else _TOLERATED)
-    return {"model": flow, "pieces": pieces, **{name: kept[name] for name in _OF_RUN}}
+    return {"model": flow, "pieces": pieces, **{name: kept[name] for name in _OF_RUN}, "known_period": kept.get("known_period")}
 
 
 def _flow_of(kept: dict[str, Any], given: Sequence[Any]) -> Any:

@@ -15,7 +15,7 @@ from stickslip.basics.arguments import Numbers, described_as, explains_arguments
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, NoBodies, did_you_mean
 from stickslip.basics.frozen_arrays import sealed
-from stickslip.models.flow_contacts import ContactColumns, contact_columns
+from stickslip.models.flow_contacts import ContactColumns, contact_columns, modes_passed
 from stickslip.results.datasets import FileColumns
 from stickslip.results.flow_drift import mean_rates
 from stickslip.results.flow_pieces import ModeChange, extremes
@@ -129,6 +129,10 @@ class FlowRun(Trajectory):
         i = self.names.index(name)
         at = np.flatnonzero(np.isin(self.nodes[1:-1], [event.t for event in self.events]))
         return self.coefficients[at, i].sum(axis=-1), self.coefficients[at + 1, i, 0]
+
+    def _switch_times(self, name: str) -> Array:
+        before, after = (dict(zip(self.model.modes, of, strict=True)) for of in modes_passed(self.model, name))
+        return np.array([event.t for event in self.events if before[event.before] and after[event.after]])
 
     @cached_property
     def y(self) -> Array:

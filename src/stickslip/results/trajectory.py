@@ -158,7 +158,7 @@ class Trajectory(Drawn, Judged, RunFiles):
     counts : dict
         Steps taken, rejected, and so on.
     known_period : int, optional
-        Drive periods after which it repeats, where that is known beforehand: the run of a periodic orbit.
+        Drive periods, or turns of a cycle, after which it repeats, where that is known beforehand: of the run once around a periodic orbit.
     named_events : tuple of Event
         Where functions of the user passed zero, ``solve(events=...)``, by their names in `part`.
 
@@ -297,6 +297,11 @@ class Trajectory(Drawn, Judged, RunFiles):
             return names if self.lost_contact else []
         last, most = self.with_axes.load[-1], abs(self.with_axes.load).max(axis=0)
         return [name for name, load, largest in zip(names, last, most, strict=True) if load <= 1e-9 * largest]
+
+    def _switch_times(self, name: str) -> Array:
+        """The instants of a switch by its name, such as "stick of block"."""
+        kind, _, contact = name.partition(" of ")
+        return np.array([event.t for event in self.events if event.kind == kind and event.part == contact])
 
     @cached_property
     def _impulses(self) -> list[tuple[float, float]]:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import singledispatch
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,16 +14,10 @@ from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 from stickslip.dynamics.attractors.kinds_of_motion import PERIODIC, UNSETTLED
 from stickslip.dynamics.attractors.motion_features import features_of, motion_numbers
 from stickslip.dynamics.attractors.settled_motions import Settling, motion_times, settled_motions
-from stickslip.dynamics.flows.flow_stretches import passage
-from stickslip.dynamics.periodic.limit_cycles import LimitCycle
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, FlowCoordinates, spread_over, state_at_rest
+from stickslip.dynamics.periodic.closed_orbits import PeriodicOrbit
+from stickslip.dynamics.stroboscopic.strobe_maps import spread_over, state_at_rest
 from stickslip.models.machine_adapter import machine_of
 from stickslip.solvers import solve
-from stickslip.solvers.plain.composed_flows import mode_of_strobe_state
-
-if TYPE_CHECKING:
-    from stickslip.models.switching_flow import SwitchingFlow
-
 
 _LOOKED = 64  # drive periods over which a motion is named
 _TYPED = 1e-10  # tolerance of the run by which a cycle is named
@@ -178,7 +171,7 @@ def _words(plane: Plane, values: Array, states: Array, periods: list[int], times
     if plane.sample.period is None or not plane.at.in_lanes:
         models = (plane.family.robot(*point) for point in values)
         along = zip(models, states, periods, times, strict=True)
-        return [_word(plane.at, model, state, p, float(T)) if p else "" for model, state, p, T in along]
+        return [_label(model, state, p, float(T)) if p else "" for model, state, p, T in along]
     model = spread_over(plane.family.robots(*values.T), len(states))
     options = {"rtol": look.rtol} if machine_of(model).has_inner_states else {}
     summary = solve(model, periods=_LOOKED, settle="auto", start=plane.at.start(states), keep="summary", **options)
@@ -187,23 +180,9 @@ def _words(plane: Plane, values: Array, states: Array, periods: list[int], times
     return [_JOINED.join(np.atleast_1d(word).tolist()) for word in words]
 
 
-@singledispatch
-def _word(at: Coordinates, model: Any, state: Array, turns: int, duration: float) -> str:
-    """The type of a limit cycle; of several contacts the pattern of each."""
-    cycle = LimitCycle(model, turns, state, duration, np.nan, _TYPED)
-    return cycle.type if len(cycle.patterns) < 2 else _JOINED.join(cycle.patterns.values())
-
-
-@_word.register(FlowCoordinates)
-def _(at: FlowCoordinates, flow: SwitchingFlow, state: Array, period: int, duration: float) -> str:
-    """The modes of a periodic motion in turn, once if it goes through them twice; where there is one mode, the number of switches."""
-    modes, length = list(flow.modes), duration if flow.period is None else period * float(flow.period)
-    mode = mode_of_strobe_state(flow, state)
-    turns = [str(after) for _, _, after in passage(flow, state[:-1], mode, length).events]
-    once = next(turns[: len(turns) // k] for k in range(period, 0, -1) if len(turns) % k == 0 and turns == turns[: len(turns) // k] * k)
-    if len(modes) == 1:
-        return f"{len(once)} switch{'es' * (len(once) != 1)}"
-    return f"modes {' '.join(min((once[i:] + once[:i] for i in range(len(once))), default=[str(mode)]))}"
+def _label(model: Any, state: Array, period: int, duration: float) -> str:
+    """The name of the periodic motion through a state."""
+    return PeriodicOrbit(model, period, state, np.nan, _TYPED, duration=duration if model.period is None else None).label
 
 
 def unmatched(here: PointOfGrid, there: PointOfGrid) -> list[MotionThere]:

@@ -58,7 +58,7 @@ class EdgeState(Drawn):
     accuracy : float
         By how much it may be wrong, in the scales of its coordinates: of a periodic orbit from the residual of Newton's method and what the
         map makes of it, otherwise the distance of the pair between which the border is.
-    orbit : PeriodicOrbit, FlowOrbit or None
+    orbit : PeriodicOrbit or None
         The motion, where it is periodic.
     miss : float
         How far from the orbit the edge track still was, in scales, which Newton's method did not see; NaN without an orbit.

@@ -26,8 +26,9 @@ from stickslip.dynamics.continuation.following.traced_branch import BranchTrace,
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.continuation.special_points.accuracy import Special
 from stickslip.dynamics.continuation.special_points.own_events import Event, checked_events
-from stickslip.dynamics.periodic.limit_cycles import LimitCycle, at_its_switch
-from stickslip.dynamics.periodic.periodic_orbits import RTOL, PeriodicOrbit, periodic_orbit
+from stickslip.dynamics.periodic.closed_orbits import RTOL, PeriodicOrbit
+from stickslip.dynamics.periodic.limit_cycles import at_its_switch
+from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
 from stickslip.models.angular_coordinates import unit_of_part
 from stickslip.models.model_adapter import adapter_of
 from stickslip.models.naming import in_its_unit
@@ -47,7 +48,7 @@ class Branch(Drawn):
         The robots.
     period : int
         Drive periods after which its motions repeat.
-    orbits : tuple of PeriodicOrbit, or of LimitCycle
+    orbits : tuple of PeriodicOrbit
         The points, in order.
     values : array
         The parameter at each.
@@ -71,7 +72,7 @@ class Branch(Drawn):
 
     family: Family
     period: int
-    orbits: tuple[PeriodicOrbit | LimitCycle, ...]
+    orbits: tuple[PeriodicOrbit, ...]
     values: Array
     special: list[Special]
     ended: str
@@ -94,7 +95,7 @@ class Branch(Drawn):
         columns: dict[str, Any] = {
             n: ("point", [o.state[i] for o in self.orbits], state_attrs(n, when, self.orbits[0].model)) for i, n in enumerate(names)
         }
-        known = [name for name in _COLUMNS if ("motion_type" in words or name not in _OF_ONE) and hasattr(self.orbits[0], name)]
+        known = self.orbits[0].numbers
         of_motion = {name: {"units": unit_of_part(what, self.orbits[0].model, "")} for name, what in _OF_MOTION.items() if of.has_units}
         columns |= {name: ("point", [getattr(o, name) for o in self.orbits], _COLUMNS[name] | of_motion.get(name, {})) for name in known}
         for name, said in words.items():
@@ -132,7 +133,7 @@ class Branch(Drawn):
         step, points
             As for `continuation`.
         """
-        if isinstance(self.orbits[0], LimitCycle):
+        if self.orbits[0].is_cycle:
             why = "it is a branch of limit cycles; allowed are branches of driven motions"
             raise InputError("Branch.doubled", [f"{why}; type ss.periodic_orbit(mechanism, period=2, guess=run) beside the flip"])
         flip = special_point_of(self, flip, "flip", "doubled")
@@ -194,7 +195,6 @@ class Branch(Drawn):
 
 
 _OF_MOTION = {"mean_velocity": "v", "amplitude": "x"}  # whose units are those of the machine's motion
-_OF_ONE = ("pattern", "margin")  # known of one body on one contact
 _COLUMNS = {
     "mean_velocity": {"units": "m/s", "long_name": "mean velocity"},
     "stable": {"units": "1", "long_name": "whether the motion is stable"},

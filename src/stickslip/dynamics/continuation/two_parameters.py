@@ -23,9 +23,7 @@ from stickslip.dynamics.continuation.curves.problems import CurveProblem
 from stickslip.dynamics.continuation.curves.type_borders import type_border_problem
 from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.continuation.special_points.accuracy import Meeting, Special
-from stickslip.dynamics.flows.flow_orbits import FlowOrbit
-from stickslip.dynamics.periodic.limit_cycles import LimitCycle
-from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
+from stickslip.dynamics.periodic.closed_orbits import PeriodicOrbit
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.model_adapter import adapter_of
 from stickslip.models.naming import in_its_unit
@@ -48,7 +46,7 @@ class Curve(Drawn):
         The parameters along the curve.
     accuracy : array (points, 2)
         Estimated error of the parameters across the curve: from the residuals, and from differences with twice the step.
-    orbits : tuple of PeriodicOrbit, LimitCycle or FlowOrbit
+    orbits : tuple of PeriodicOrbit
         The motions. Of a grazing or a border that can be told from one side only they are motions just beside it, on that side.
     special : list of Meeting
         Special points on the curve, with their accuracy: "cusp"; "R1", "R2", "R3", "R4" (resonances 1:1 to 1:4);
@@ -72,7 +70,7 @@ class Curve(Drawn):
     family: Family
     values: Array
     accuracy: Array
-    orbits: tuple[PeriodicOrbit | LimitCycle | FlowOrbit, ...]
+    orbits: tuple[PeriodicOrbit, ...]
     special: list[Meeting]
     ended: str
 
@@ -211,10 +209,10 @@ def _orbits(problem: CurveProblem, states: list[Array]) -> tuple[tuple[Any, ...]
 
 def _is_of_arcs(special: Special) -> bool:
     """Whether it is a border of types of a motion made of arcs whose times are the only unknowns."""
-    model = special.orbit.model
-    if not isinstance(special.orbit, PeriodicOrbit) or special.kind != "type-border":
+    orbit = special.orbit
+    if orbit.is_cycle or not orbit.at.in_lanes or special.kind != "type-border":
         return False
-    machine = machine_of(model)
+    machine = machine_of(orbit.model)
     return not machine.mechanics.knows_place and not machine.has_inner_states
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -16,19 +16,17 @@ from stickslip.basics.notebook_display import Drawn
 from stickslip.basics.number_names import numbers_meant, unequal_sides
 from stickslip.dynamics.derivatives.slopes import number_slopes, period_of, start_changes
 from stickslip.dynamics.derivatives.tangents import Changes, Directions, changes_along, not_followed
+from stickslip.dynamics.periodic.closed_orbits import PeriodicOrbit
 from stickslip.dynamics.periodic.given_states import states_of
-from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit, periodic_orbit
+from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
 from stickslip.dynamics.periodic.steady_motions import ClosedMotions, Closing
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 from stickslip.engine.trace import SPAN, numbers_of
 from stickslip.models.angular_coordinates import unit_of_part
 from stickslip.models.drives.within import drives_within
 from stickslip.models.machine_adapter import is_machine
+from stickslip.results.trajectory import Trajectory
 from stickslip.solvers.time_dependence import check_period
-
-if TYPE_CHECKING:
-    from stickslip.results.trajectory import Trajectory
-
 
 _ALONE = "if it alone changes, the equations do not repeat after the period"
 _WHOLE = 1e-9  # by how much of themselves the numbers of periods of its drives may change
@@ -150,12 +148,12 @@ def sensitivity(of: Any, wrt: str | Sequence[str] | None = None) -> Sensitivity:
     if why := not_followed(model):
         raise InputError("sensitivity", [f"perturbations are not propagated along the motion of this {type(model).__name__}, as {why}; "
                                          "take differences of two runs"])  # fmt: skip
-    if model.period is None and not hasattr(of, "pieces"):
+    if model.period is None and not isinstance(of, Trajectory):
         why = f"{type(model).__name__} has no period, and how long its cycle takes changes with its numbers; allowed is a run of it"
         raise InputError("sensitivity", [f"{why}; type ss.dynamics.sensitivity(ss.solve(machine, duration=10.0)) for its mean velocity and "
                                          "its end, or ss.continuation(machine, parameter=...) for how its cycle changes"])  # fmt: skip
     moved = directions_of("sensitivity", model, wrt)
-    if hasattr(of, "pieces"):
+    if isinstance(of, Trajectory):
         return _of_run(of, moved)
     return _of_orbit(of if isinstance(of, PeriodicOrbit) else periodic_orbit(model), moved)
 

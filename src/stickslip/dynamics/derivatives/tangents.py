@@ -273,9 +273,9 @@ def not_followed(model: Model) -> str:
     return adapter_of(model).not_followed
 
 
-def orders_differ(model: Model, state: Array, periods: int = 1, rtol: float = 1e-12, tolerance: float = 1e-6) -> bool:
+def orders_differ(model: Model, state: Array, periods: int = 1, rtol: float = 1e-12, tolerance: float = 1e-6, span: Any = None) -> bool:
     """Whether what switches at one instant leaves other changes behind in the other order: they then depend on the direction's side."""
-    one, other = (jacobian_of(model, state, periods, rtol, order=order) for order in _ORDERS)
+    one, other = (jacobian_of(model, state, periods, rtol, span, order) for order in _ORDERS)
     sizes = coordinates(model).scales[: len(one)]
     scaled = sizes / sizes[:, None]
     return bool(np.max(abs(one - other) * scaled) > tolerance * np.max(abs(one) * scaled))

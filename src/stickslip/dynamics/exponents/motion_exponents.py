@@ -22,8 +22,8 @@ from stickslip.dynamics.exponents.between_returns import ALIGN, CHUNK, LEAST, be
 from stickslip.dynamics.exponents.general_exponents import Lyapunov, error_of_mean
 from stickslip.dynamics.exponents.growing_frames import grown, stretches_of
 from stickslip.dynamics.exponents.lost_directions import summary, with_lost
-from stickslip.dynamics.periodic.closed_orbits import resting
 from stickslip.dynamics.periodic.given_states import states_of
+from stickslip.dynamics.periodic.kinds_of_orbits import resting
 from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, Tell, over_chunks
 from stickslip.dynamics.stroboscopic.refusals import needs_model

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.analysis.section_choice import asked_for, modes_passed
+from stickslip.analysis.section_choice import asked_for
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import SolveError
-from stickslip.dynamics.flows.flow_orbits import FlowOrbit, closed_once, multipliers_of_passage, touches
+from stickslip.dynamics.flows.flow_orbits import closed_once
 from stickslip.dynamics.flows.flow_stretches import passage
+from stickslip.dynamics.periodic.closed_orbits import PeriodicOrbit
 from stickslip.dynamics.periodic.cycle_sections import Section
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.periodic.limit_cycles import at_its_switch
@@ -19,11 +20,10 @@ from stickslip.dynamics.stroboscopic.chosen_sections import LONGEST_CYCLE, on_se
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, strobe_map, strobe_points
 from stickslip.solvers.plain.composed_flows import mode_of_strobe_state
 
-_JUST_AFTER = 1e-12  # of a cycle: rounding must not leave out the switch with which it ends
 _SETTLING, _LOOKED = 60, 33  # returns before the cycle is looked for, and as many as are looked at
 
 
-def cycle_of_flow(flow: Any, state: Array, took: float, at: Coordinates) -> FlowOrbit:
+def cycle_of_flow(flow: Any, state: Array, took: float, at: Coordinates) -> PeriodicOrbit:
     """The cycle near a state that comes back after some time, on its section.
 
     Raises
@@ -39,7 +39,7 @@ def cycle_of_flow(flow: Any, state: Array, took: float, at: Coordinates) -> Flow
     return at_its_switch(closed_once(flow, between.state, between.mode, took), at.section.name)
 
 
-def on_its_section(orbit: FlowOrbit, at: Coordinates) -> FlowOrbit:
+def on_its_section(orbit: PeriodicOrbit, at: Coordinates) -> PeriodicOrbit:
     """A cycle as it begins where it passes a section, with the number of its turns."""
     flow = orbit.model
     begun = strobe_map(flow, orbit.strobe_state[None, :], 1, 1e-12, replace(at, section=replace(at.section, turns=1))).state[0]
@@ -53,50 +53,17 @@ def on_its_section(orbit: FlowOrbit, at: Coordinates) -> FlowOrbit:
     times = np.cumsum(strobe_points(flow, begun[None, :], LONGEST_CYCLE, 1e-12, replace(at, section=replace(at.section, turns=1)))[2][:, 0])
     turns = 1 + int(np.argmin(abs(times - orbit.duration)))
     section = Section(at.section.index, float(at.section.value))
-    return replace(cycle_at(flow, begun, orbit.duration, residual, section, turns), notes=orbit.notes)
+    return replace(orbit, period=turns, strobe_state=begun, residual=residual, section=section, _passage=done)
 
 
-@at_its_switch.register(FlowOrbit)
-def _(orbit: FlowOrbit, name: str, period: int | None = None) -> FlowOrbit:
-    """A cycle as it begins behind a switch from one mode to another; its period is how often that happens.
-
-    Raises
-    ------
-    SolveError
-        Where it does not happen, and where the cycle does not repeat after the period that is asked for.
-    """
-    flow = orbit.model
-    before, after = (dict(zip(flow.modes, of, strict=True)) for of in modes_passed(flow, name))
-    passed = [k for k, (_, a, b) in enumerate(orbit.passage.events) if before[a] and after[b]]
-    if not passed:
-        raise SolveError(f"the cycle has no {name!r}; its modes are {', '.join(map(str, orbit.pattern))}; give another section")
-    turns, notes = len(passed), orbit.notes
-    if period is not None and period % turns:
-        raise SolveError(f"the cycle repeats after {turns} times {name!r}, and {period} were asked for; leave the period and turns out")
-    if period is not None and period > turns:
-        notes = (f"it repeats after {turns} of the {period} turns that were asked for", *notes)
-    begun = passage(flow, orbit.state, orbit.mode, orbit.duration, switches=passed[0] + 1)
-    around = passage(flow, begun.state, begun.mode, orbit.duration * (1.0 + _JUST_AFTER))
-    usual = orbit.strobe_state if orbit.on_section is None else orbit.on_section
-    return replace(orbit, state=begun.state, mode=begun.mode, passage=around, turns=turns, notes=notes, on_section=usual)
-
-
-def cycle_at(flow: Any, strobe_state: Array, duration: float, residual: float, section: Section, turns: int) -> FlowOrbit:
-    """The cycle through a state that is known to come back."""
-    y, mode = strobe_state[:-1], mode_of_strobe_state(flow, strobe_state)
-    done = passage(flow, y, mode, duration)
-    touched = () if np.isfinite(done.monodromy).all() else (touches(done),)
-    return FlowOrbit(y, mode, duration, multipliers_of_passage(flow, done), residual, done, touched, flow, turns, section)
-
-
-def cycle_shown(flow: Any, period: int | None, guess: Any, section: Any = None) -> FlowOrbit:
+def cycle_shown(flow: Any, period: int | None, guess: Any, section: Any = None) -> PeriodicOrbit:
     """The cycle to which a guess leads, or that a run shows.
 
     Parameters
     ----------
     period : int, optional
         Turns after which it repeats; as many as the run shows if not given.
-    guess : dict, array, FlowRun or FlowOrbit, optional
+    guess : dict, array, FlowRun or PeriodicOrbit, optional
         Of an orbit the duration is taken too. If not given, the first start that oscillates.
     section : str or tuple, optional
         As for `periodic_orbit`.
@@ -104,7 +71,7 @@ def cycle_shown(flow: Any, period: int | None, guess: Any, section: Any = None) 
     at, asked = coordinates(flow), asked_for("periodic_orbit", section, flow)
     if asked.switch:
         return at_its_switch(cycle_shown(flow, None, guess), str(asked.name), period)
-    if isinstance(guess, FlowOrbit):
+    if isinstance(guess, PeriodicOrbit):
         looked = on_section(flow, at, section=section, states=guess.section_state[None, :], what="periodic_orbit")
         return cycle_of_flow(flow, guess.section_state, guess.duration, looked)
     begun = states_of(guess, flow)

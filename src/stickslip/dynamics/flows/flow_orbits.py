@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,15 +12,14 @@ from stickslip.analysis.state_order import needs_one_body
 from stickslip.basics.arguments import Single, explains_arguments
 from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.basics.errors import InputError, Problems, SolveError, is_whole
-from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible
 from stickslip.dynamics.flows.flow_stretches import Passage, needs_flow, passage, started
-from stickslip.dynamics.periodic.closed_orbits import Repeating, multipliers_of
+from stickslip.dynamics.periodic.closed_orbits import PeriodicOrbit
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.normal_loads import normal_load
 from stickslip.models.switching_flow import Switch, SwitchingFlow
 from stickslip.solvers.flow_engine import FlowStart
-from stickslip.solvers.plain.composed_flows import composed, mode_of_state, mode_of_strobe_state
+from stickslip.solvers.plain.composed_flows import composed, mode_of_state
 from stickslip.solvers.plain.user_functions import value_and_slopes
 
 _STILL = 1e-9  # of the size of the state: what moves by less stands still
@@ -31,116 +30,6 @@ _SHARES = (1.0, 0.5, 0.2, 0.05, 0.01)  # of Newton's step
 _ITERATIONS = 30  # of Newton's method
 _PARTS = (2, 3, 5, 7, 11, 13)
 _ALIKE, _CANDIDATES = 2.0, 12  # times the nearest: what is taken for the same state again; so many switches are tried
-
-
-@sealed
-class FlowOrbit(Repeating):
-    """A periodic orbit of a switching flow.
-
-    Parameters
-    ----------
-    state, mode
-        Where it begins.
-    duration : float
-        Its period in time.
-    multipliers : array
-        The largest first; for an autonomous flow the multiplier 1 along the orbit is left out.
-    residual : float
-        Distance between its final and initial state.
-    passage : Passage
-        The passage once around the orbit.
-    notes : tuple of str
-        Remarks, such as that the orbit of a forced flow is an equilibrium.
-    model : SwitchingFlow
-        The flow.
-    turns : int
-        Of a flow without a period: returns to the section on which it begins.
-    section : Section or None
-        That section, where it is known.
-    on_section : array, optional
-        The strobe state there, where the orbit is shown from a switch (``section="free to hunted"``).
-
-    Examples
-    --------
-    >>> still = SwitchingFlow({0: lambda t, y: (y[1], -4.0 * y[0] - 0.2 * y[1])}, period=1.0)
-    >>> orbit = flow_orbit(still, [0.1, 0.0], 0)
-    >>> orbit.stable, bool(abs(orbit.state).max() < 1e-9), orbit.notes
-    (True, True, ('it is an equilibrium: nothing moves, and it repeats after any time',))
-    """
-
-    state: Array
-    mode: Any
-    duration: float
-    multipliers: Array
-    residual: float
-    passage: Passage
-    notes: tuple[str, ...] = ()
-    model: Any = None
-    turns: int = 1
-    section: Any = None
-    on_section: Any = None
-
-    @property
-    def section_state(self) -> Array:
-        """The state by which it is followed, also where it is shown from a switch."""
-        return self.strobe_state if self.on_section is None else np.asarray(self.on_section)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the numbers of the state."""
-        return self.model.names(len(self.state))
-
-    @property
-    def period(self) -> int:
-        """Number of forcing periods after which it repeats; without forcing its turns."""
-        return self.turns if self.model.period is None else max(round(self.duration / float(self.model.period)), 1)
-
-    @property
-    def rtol(self) -> float:
-        """Tolerance of its runs, which are exact to rounding."""
-        return 1e-12
-
-    @property
-    def strobe_state(self) -> Array:
-        """The state, and the place of the mode among the flow's modes."""
-        return np.append(self.state, list(self.model.modes).index(self.mode))
-
-    @property
-    def monodromy(self) -> Array:
-        """The derivative of the state after the motion with respect to the state before it."""
-        return self.passage.monodromy
-
-    @property
-    def events(self) -> list[Any]:
-        """Its switches."""
-        return list(self.passage.events)
-
-    @cached_property
-    def run(self) -> Any:
-        """One period of the orbit, with its dense output."""
-        from stickslip.solvers import solve
-
-        length: dict[str, Any] = {"duration": self.duration} if self.model.period is None else {"periods": self.period, "settle": 0}
-        return solve(self.model, start=self.state, mode=self.mode, keep="trajectory", **length)
-
-    @property
-    def pattern(self) -> tuple[Any, ...]:
-        """The modes in order."""
-        return tuple(after for _, _, after in self.passage.events) or (self.mode,)
-
-    @property
-    def words(self) -> dict[str, str]:
-        """The modes in order."""
-        return {"pattern": " ".join(map(str, self.pattern))}
-
-    def _facts(self) -> dict[str, Any]:
-        stability = f"{self.stability}; {self._multipliers_text}"
-        return {"duration": f"{self.duration:.9g}", "switches": len(self.events), "stability": stability}
-
-    def __repr__(self) -> str:
-        state = ", ".join(f"{name} = {value:.9g}" for name, value in zip(self.names, self.state, strict=True))
-        length, stability = f"{self.duration:.9g} long, {len(self.events)} switches", f"{self.stability} ({self._multipliers_text})"
-        return f"<FlowOrbit: {length}, {stability}, mode {self.mode!r}, {state}, residual {self.residual:.1e}>"
 
 
 @explains_arguments
@@ -156,7 +45,7 @@ def flow_orbit(
     most: int = 30,
     rtol: float = 1e-12,
     method: str = "auto",
-) -> FlowOrbit:
+) -> PeriodicOrbit:
     """A periodic orbit of a switching flow, by Newton's method with derivatives from saltation matrices.
 
     Parameters
@@ -179,8 +68,8 @@ def flow_orbit(
 
     Returns
     -------
-    FlowOrbit
-        The initial state, the period and the multipliers of the orbit.
+    PeriodicOrbit
+        `state`, `mode`, `duration`, `multipliers` and `passage` of the orbit.
 
     Raises
     ------
@@ -230,7 +119,7 @@ def _check_asked(flow: Any, periods: Any, duration: Any, settle: Any, most: Any)
     problems.check()
 
 
-def _closed(flow: SwitchingFlow, y: Array, mode: Any, T: float, most: int, how: dict[str, Any]) -> FlowOrbit:
+def _closed(flow: SwitchingFlow, y: Array, mode: Any, T: float, most: int, how: dict[str, Any]) -> PeriodicOrbit:
     """The orbit to which Newton's method goes from a guess."""
     free, guessed, done = flow.period is None, T, passage(flow, y, mode, T, **how)
     for _ in range(most):
@@ -256,12 +145,23 @@ def _closed(flow: SwitchingFlow, y: Array, mode: Any, T: float, most: int, how: 
     notes = ("it is an equilibrium: nothing moves, and it repeats after any time",) if still else ()
     if not np.isfinite(done.monodromy).all():
         raise SolveError(touches(done))
-    return FlowOrbit(y, mode, T, multipliers_of_passage(flow, done), size, done, notes, flow)
+    return _orbit(flow, y, mode, T, size, how, notes, done)
 
 
-def multipliers_of_passage(flow: SwitchingFlow, done: Passage) -> Array:
-    """The multipliers of an orbit gone around once, without those of shifts along it and of cyclic coordinates."""
-    return multipliers_of(flow.drifts.without(done.monodromy), done.rank_deficient, flow.period is None)
+def _orbit(
+    flow: SwitchingFlow, y: Array, mode: Any, T: float, residual: float, how: dict[str, Any], notes: tuple[str, ...], done: Passage
+) -> PeriodicOrbit:
+    """The orbit whose passage has been found."""
+    period = 1 if flow.period is None else max(round(T / float(flow.period)), 1)
+    state = np.append(y, list(flow.modes).index(mode))
+    return PeriodicOrbit(flow, period, state, residual, notes=notes, duration=T, _passage=done, **how)
+
+
+def noted(orbit: PeriodicOrbit) -> PeriodicOrbit:
+    """An orbit that is known to come back, with a remark where the passage of a flow touches a guard."""
+    if orbit.at.in_lanes or np.isfinite(orbit.monodromy).all():
+        return orbit
+    return replace(orbit, notes=(*orbit.notes, touches(orbit.passage)))
 
 
 def _miss(flow: SwitchingFlow, y: Array, done: Passage) -> Array:
@@ -274,7 +174,7 @@ def _extent(flow: SwitchingFlow, done: Passage) -> float:
     return float(np.delete(done.highest - done.lowest, flow.drifts.free).max(initial=0.0))
 
 
-def closed_once(flow: SwitchingFlow, y: Array, mode: Any, T: float) -> FlowOrbit:
+def closed_once(flow: SwitchingFlow, y: Array, mode: Any, T: float) -> PeriodicOrbit:
     """The cycle of a flow without a period to which Newton's method goes from a state and a duration, traversed once."""
     how: dict[str, Any] = {"rtol": 1e-12, "method": "auto"}
     return _once(flow, _closed(flow, flow.drifts.wrapped(y), mode, T, _ITERATIONS, how), 1, _ITERATIONS, how)
@@ -311,7 +211,7 @@ def touches(done: Passage) -> str:
     )
 
 
-def _once(flow: SwitchingFlow, orbit: FlowOrbit, periods: int, most: int, how: dict[str, Any]) -> FlowOrbit:
+def _once(flow: SwitchingFlow, orbit: PeriodicOrbit, periods: int, most: int, how: dict[str, Any]) -> PeriodicOrbit:
     """The orbit gone around once: the shortest duration of a free flow, an error where forced motions repeat before `periods` are over."""
     for k in _PARTS if flow.period is None else [k for k in range(periods, 1, -1) if periods % k == 0 and not orbit.notes]:
         part = passage(flow, orbit.state, orbit.mode, orbit.duration / k, **how)
@@ -378,14 +278,6 @@ def _converges(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passage
     here, there = _linear(flow, y, mode, T, done)[0], _linear(flow, y + step, after, T + longer, tried)[0]
     bent = np.linalg.lstsq(here, there - here, rcond=1e-12)[0]
     return bool(np.isfinite(bent).all() and np.linalg.norm(bent, 2) <= 0.5)
-
-
-def orbit_at(flow: SwitchingFlow, strobe_state: Array, periods: int, residual: float) -> FlowOrbit:
-    """The orbit of a forced flow through a state that is known to come back; its multipliers are nan where a guard is only touched."""
-    y, mode = np.asarray(strobe_state[:-1], float), mode_of_strobe_state(flow, strobe_state)
-    done = passage(flow, y, mode, periods * float(flow.period))
-    notes = () if np.isfinite(done.monodromy).all() else (touches(done),)
-    return FlowOrbit(y, mode, periods * float(flow.period), multipliers_of_passage(flow, done), residual, done, notes, flow)
 
 
 @explains_arguments

@@ -29,7 +29,7 @@ from stickslip.models.normal_loads import normal_load
 from stickslip.models.position_dependence import knows_position
 
 if TYPE_CHECKING:
-    from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
+    from stickslip.dynamics.periodic.closed_orbits import PeriodicOrbit
 
 
 Margin = tuple[str, int, int]  # name, number of the arc, side

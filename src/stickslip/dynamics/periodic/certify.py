@@ -19,7 +19,7 @@ from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.periodic.arc_sequences import Sequence, sequence_of
 from stickslip.dynamics.periodic.ball_arithmetic import Ball, Enclosure, above_zero, balls_of, flint_for, krawczyk
-from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
+from stickslip.dynamics.periodic.closed_orbits import PeriodicOrbit
 from stickslip.engine.closed_arc_conditions import closed_of
 from stickslip.solvers.closed_arcs import handles
 

@@ -7,7 +7,7 @@ Which coordinate that is says `stickslip.analysis.section_choice`. A turning poi
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,11 +15,8 @@ from stickslip.analysis.section_choice import Cut
 from stickslip.basics.contracts import Array, Model
 from stickslip.dynamics.derivatives.slopes import number_slopes
 from stickslip.dynamics.derivatives.tangents import Directions, changes_along
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, flow_map, state_at
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, flow_map
 from stickslip.models.machine_adapter import machine_of
-
-if TYPE_CHECKING:
-    from stickslip.results.trajectory import Trajectory
 
 
 @dataclass(frozen=True)
@@ -119,14 +116,3 @@ def section_of(model: Model, cut: Cut) -> Section:
     if turning is not None and cut.name == "v" and cut.value == float(np.max(turning)):
         return TURN
     return Section(coordinates(model).names.index(cut.name), float(cut.value))
-
-
-def states_of_returns(run: Trajectory, t: Array) -> Array:
-    """The states at some instants of a run, with what laws remember; a spring is measured from its far end."""
-    states = []
-    for instant in t:
-        state = state_at(run, float(instant))
-        state[0] -= far_end(run.model) * instant
-        piece = min(int(np.searchsorted(run.pieces.t, instant, side="right")) - 1, len(run.pieces.mode) - 1)
-        states.append(np.concatenate([state, np.ravel(np.asarray(run.pieces.memory[piece], float))]))
-    return np.array(states)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import singledispatch
 from typing import Any
 
 import numpy as np
@@ -11,10 +10,10 @@ from stickslip.basics.batch import Labels, cases_of
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import floats, number
-from stickslip.dynamics.periodic.closed_orbits import ClosedMotion
+from stickslip.dynamics.flows.flow_stretches import Passage
+from stickslip.dynamics.periodic.closed_orbits import PeriodicOrbit
 from stickslip.dynamics.stroboscopic.strobe_maps import (
     Coordinates,
-    FlowCoordinates,
     coordinates,
     state_at_rest,
     states_of_start,
@@ -22,6 +21,8 @@ from stickslip.dynamics.stroboscopic.strobe_maps import (
 )  # fmt: skip
 from stickslip.models.state_layout import of_one_contact
 from stickslip.models.switching_flow import knows_mode, unknown_mode
+from stickslip.results.flow_run import FlowRun
+from stickslip.results.trajectory import Trajectory
 from stickslip.solvers.flow_requests import starts_of
 from stickslip.solvers.flow_starts import starting_modes
 from stickslip.solvers.initial_states import LARGEST_START
@@ -35,12 +36,8 @@ def states_of(start: Any, model: Model) -> Array:
         return rest
     if isinstance(start, (list, np.ndarray)) and (table := floats(start)).shape == rest.shape:
         return np.array(_checked(start, table, at))
-    return _given(at, start, model, rest)
-
-
-@singledispatch
-def _given(at: Coordinates, start: Any, model: Any, rest: Array) -> Array:
-    """The states of a start that is no table of them; `rest` are those at rest."""
+    if not at.in_lanes:
+        return np.tile(_flow_state(start, model, at), (len(rest), 1))
     if isinstance(start, dict) and at.named:
         return _checked(start, states_of_start("start", model, start), at)
     if isinstance(start, dict):
@@ -49,16 +46,11 @@ def _given(at: Coordinates, start: Any, model: Any, rest: Array) -> Array:
     return np.tile(_one_state(start, at, rest[0]), (len(rest), 1))
 
 
-@_given.register(FlowCoordinates)
-def _(at: FlowCoordinates, start: Any, flow: Any, rest: Array) -> Array:
-    return np.tile(_flow_state(start, flow, at), (len(rest), 1))
-
-
 def _flow_state(start: Any, flow: Any, at: Coordinates) -> Array:
     """The state of a flow and the place of its mode, from an orbit, a run's end, a dict, or numbers."""
-    if hasattr(start, "strobe_state"):
+    if isinstance(start, (PeriodicOrbit, FlowRun)):
         return start.strobe_state
-    if hasattr(start, "mode") and hasattr(start, "state"):
+    if isinstance(start, Passage):
         return np.append(start.state, list(flow.modes).index(start.mode))
     mode, problems = None, Problems("start")
     if isinstance(start, dict) and "mode" in start:
@@ -76,9 +68,9 @@ def _flow_state(start: Any, flow: Any, at: Coordinates) -> Array:
 
 def _one_state(start: Any, at: Coordinates, rest: Array) -> Array:
     """The strobe state of an orbit, of a run's end, or as it was given."""
-    if isinstance(start, ClosedMotion) and start.model.period is not None:
+    if isinstance(start, PeriodicOrbit):
         return _shared(start, at, rest)
-    if hasattr(start, "strobe_v"):
+    if isinstance(start, Trajectory):
         return _end_of(start, at)
     state = floats(start).ravel()
     if state.shape != (len(at.names),):
@@ -86,7 +78,7 @@ def _one_state(start: Any, at: Coordinates, rest: Array) -> Array:
     return _checked(start, state, at)
 
 
-def _shared(orbit: ClosedMotion, at: Coordinates, rest: Array) -> Array:
+def _shared(orbit: PeriodicOrbit, at: Coordinates, rest: Array) -> Array:
     """The state of an orbit; of an orbit under another law what it has of the state, and the rest as at rest."""
     known = dict(zip(orbit.names, orbit.state, strict=True))
     if not known.keys() & set(at.names):

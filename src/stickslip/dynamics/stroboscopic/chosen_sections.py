@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.analysis.section_choice import Asked, Cut, asked_for, cut_of, modes_passed, passages, states_in
+from stickslip.analysis.section_choice import Asked, Cut, asked_for, cut_of, passages, states_in
 from stickslip.basics.batch import cases_of
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems, StickslipError
@@ -91,10 +91,7 @@ def on_section(
 
 def _longest_of_switches(shown: Shown, asked: Asked) -> float:
     """The longest time of a return to a switch of a flow: of the returns of its run, and of what comes between its switches there."""
-    flow = shown.run.model
-    before, after = (dict(zip(flow.modes, of, strict=True)) for of in modes_passed(flow, str(asked.name)))
-    t = [event.t for event in shown.run.events if before[event.before] and after[event.after]]
-    return max(shown.longest, LONGEST_RETURN * float(np.diff(t).max(initial=0.0)))
+    return max(shown.longest, LONGEST_RETURN * float(np.diff(shown.run._switch_times(str(asked.name))).max(initial=0.0)))
 
 
 def check_section(what: str, model: Any, section: Any, turns: Any) -> None:

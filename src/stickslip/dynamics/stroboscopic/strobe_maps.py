@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.analysis.state_order import Order, coordinates_in, numbered_names, order_of, states_of_run
+from stickslip.analysis.state_order import Order, coordinates_in, numbered_names, order_of, order_of_names, states_of_run
 from stickslip.basics.batch import cases_of, labels_of, spread_over_cases
 from stickslip.basics.contracts import Array, ArrayLike, Model
 from stickslip.basics.errors import InputError, Problems
@@ -156,6 +156,16 @@ class Coordinates:
         """The state at the end of a run."""
         return state_at(run, float(run.pieces.t[-1]))
 
+    def states_in(self, run: Any, t: Array) -> Array:
+        """The states at some instants of a run, with what laws remember; a spring is measured from its far end."""
+        states, far_end = [], float(machine_of(run.model).far_end_velocity)
+        for instant in t:
+            state = state_at(run, float(instant))
+            state[0] -= far_end * instant
+            piece = min(int(np.searchsorted(run.pieces.t, instant, side="right")) - 1, len(run.pieces.mode) - 1)
+            states.append(np.concatenate([state, np.ravel(np.asarray(run.pieces.memory[piece], float))]))
+        return np.array(states)
+
     def placed(self, model: Any, states: Array) -> Array:
         """States with the place of what follows from them."""
         return states
@@ -226,6 +236,11 @@ class FlowCoordinates(Coordinates):
         """The state and the mode at the end of a run."""
         return np.asarray(run.strobe_state)
 
+    def states_in(self, run: Any, t: Array) -> Array:
+        """The states at some instants of a run, with the places of the modes; at a switch those after it."""
+        index = run._index(t)
+        return np.column_stack([run.pieces.states(t, index), run.modes[index]])
+
     def placed(self, model: Any, states: Array) -> Array:
         """States with the place of the mode in which a run begins there."""
         return np.column_stack([states[:, :-1], places_of_starts(model, states[:, :-1])])
@@ -275,8 +290,13 @@ class Ends:
         return tuple(intervals_of(*each, dwell=_DWELL).pattern for each in self.segments)
 
 
-def coordinates(model: Model) -> Coordinates:
+def coordinates(model: Model, count: int | None = None) -> Coordinates:
     """The coordinates of a model's strobe state.
+
+    Parameters
+    ----------
+    count : int, optional
+        How many numbers the state has, of a flow whose states have no names.
 
     Examples
     --------
@@ -285,7 +305,7 @@ def coordinates(model: Model) -> Coordinates:
     ('v', 'z')
     """
     if not adapter_of(model).has_bodies:
-        return coordinates_of_flow(model)
+        return coordinates_of_flow(model, count)
     machine = machine_of(model)
     order = order_of(model, machine)
     mechanics, laws = machine.mechanics, machine.laws
@@ -515,10 +535,13 @@ def has_arcs(model: Model) -> bool:
     return handles(model) is None
 
 
-def coordinates_of_flow(flow: Any) -> Coordinates:
+def coordinates_of_flow(flow: Any, count: int | None = None) -> Coordinates:
     """The states of a flow by their names, and the place of its mode among its modes, which is a memory."""
-    order = order_of(flow)
-    return FlowCoordinates((*order.names, "mode"), np.append(flow.sizes, 1.0), order, 1, drifts=flow.drifts)
+    if flow.states is None and count is not None:
+        order, sizes = order_of_names(flow.names(count - 1)), (1.0,) * (count - 1)
+    else:
+        order, sizes = order_of(flow), flow.sizes
+    return FlowCoordinates((*order.names, "mode"), np.append(sizes, 1.0), order, 1, drifts=flow.drifts)
 
 
 def _of_flow(flow: Any, states: Array, duration: Any) -> Ends:

@@ -13,7 +13,8 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import StickslipError
 from stickslip.basics.executors import HERE, Workers
 from stickslip.dynamics.derivatives.tangents import not_followed
-from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit, periodic_orbit
+from stickslip.dynamics.periodic.closed_orbits import PeriodicOrbit
+from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
 from stickslip.dynamics.periodic.steady_motions import Closing
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 from stickslip.inverse.optimisation.constraints import KEPT, Limit

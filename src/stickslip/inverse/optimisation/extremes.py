@@ -17,7 +17,7 @@ from stickslip.analysis.state_order import coordinates_in
 from stickslip.basics.batch import numbers_by_name
 from stickslip.basics.contracts import Array, Model, Numeric
 from stickslip.dynamics.derivatives.tangents import Directions, Follower
-from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
+from stickslip.dynamics.periodic.closed_orbits import PeriodicOrbit
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates
 from stickslip.engine.graphs import Along
 from stickslip.engine.observed import LEAST, MOST

@@ -14,7 +14,8 @@ from stickslip.basics.errors import InputError, SolveError, did_you_mean
 from stickslip.basics.interruption import interruptible
 from stickslip.dynamics.derivatives.sensitivity import derivative_notes, direction_parts, directions_of
 from stickslip.dynamics.derivatives.tangents import has_corners_of, not_followed
-from stickslip.dynamics.periodic.periodic_orbits import RTOL, PeriodicOrbit, periodic_orbit
+from stickslip.dynamics.periodic.closed_orbits import RTOL, PeriodicOrbit
+from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
 from stickslip.dynamics.periodic.steady_motions import ClosedMotions, Closing, motions_from_rest
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, spread_over, state_at_rest, strobe_map
 from stickslip.inverse.optimisation.exact_derivatives import OWN, STATE, Exact, exactly

@@ -13,8 +13,9 @@ from stickslip.dynamics.continuation.curves.problems import CurveProblem
 from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.continuation.special_points.accuracy import Special
 from stickslip.dynamics.periodic.arc_sequences import Margin, Sequence, dip, gap, margins, misses, sequence_of, slope_of_gap
+from stickslip.dynamics.periodic.closed_orbits import PeriodicOrbit
 from stickslip.dynamics.periodic.newton import Root, newton
-from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit, periodic_orbit
+from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
 
 
 def type_border_problem(both: Family, branch: Branch, special: Special, origin: Array, span: Array) -> tuple[CurveProblem, Array]:

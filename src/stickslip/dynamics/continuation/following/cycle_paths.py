@@ -10,10 +10,10 @@ import numpy as np
 
 from stickslip.basics.contracts import Array
 from stickslip.dynamics.continuation.following.pseudo_arclength import Path, Point
+from stickslip.dynamics.flows.flow_orbits import noted
+from stickslip.dynamics.periodic.closed_orbits import PeriodicOrbit
 from stickslip.dynamics.periodic.cycle_sections import TURN, Section
-from stickslip.dynamics.periodic.limit_cycles import LimitCycle
 from stickslip.dynamics.periodic.newton import Root
-from stickslip.dynamics.periodic.periodic_orbits import cycle_through
 from stickslip.dynamics.stroboscopic.strobe_maps import state_at
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.model_adapter import adapter_of
@@ -95,7 +95,7 @@ class CyclePath(Path):
         by_scaled = {name: slope * float(self.span) for name, slope in by_value.items()}
         return self.section.slopes(self.robot(u), self.at, u[: self.at.smooth], memory, self.rtol, self.unit, by_scaled)
 
-    def swing(self, cycle: LimitCycle) -> float:
+    def swing(self, cycle: PeriodicOrbit) -> float:
         """How far the spring moves from its turn at the start in half a cycle [m]: negative where the cycle is followed inside out."""
         if not self.section.turns:
             return 1.0  # it does not turn inside out
@@ -118,14 +118,14 @@ class CyclePath(Path):
         """The cycle at a point."""
         model, u = self.robot(root.at), root.at[: self.at.smooth]
         state = self.section.states(model, self.at, u[None, :], root.memory)[0]
-        cycle = LimitCycle(model, self.period, state, float(u[-1] * self.unit), root.residual, self.rtol, section=self.section)
-        return cycle_through(self.at, cycle)
+        duration = float(u[-1] * self.unit)
+        return noted(PeriodicOrbit(model, self.period, state, root.residual, self.rtol, duration=duration, section=self.section))
 
 
 def rests_on_one_contact(cycle: Any) -> bool:
     """Whether a cycle is that of a machine with one contact, on which it rests exactly: how long it does says where that ends."""
-    laws = adapter_of(cycle.model).laws if isinstance(cycle, LimitCycle) else ()
-    return len(laws) == 1 and not laws[0].dynamic
+    laws = adapter_of(cycle.model).laws
+    return cycle.is_cycle and cycle.at.in_lanes and len(laws) == 1 and not laws[0].dynamic
 
 
 def vanishing(path: Path, points: list[Point]) -> tuple[float, float] | None:
@@ -218,7 +218,7 @@ def _series(powers: Array, values: Array) -> tuple[float, float]:
     return float(coefficients[0]), float(np.sqrt(scatter * np.linalg.inv(powers.T @ powers)[0, 0]))
 
 
-def _rest(cycle: LimitCycle, turn: int = 0) -> float:
+def _rest(cycle: PeriodicOrbit, turn: int = 0) -> float:
     """How long the contact rests in a cycle [s], the first time around or later: a rest wipes out what is missing of the cycle's state."""
     from stickslip.solvers import solve
 

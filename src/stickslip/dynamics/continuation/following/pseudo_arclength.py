@@ -20,8 +20,9 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.continuation.following.arclength import in_plane, tangent_of
 from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.derivatives.tangents import Directions, changes_along, jacobians_of, not_followed
+from stickslip.dynamics.periodic.closed_orbits import RUNS, PeriodicOrbit
 from stickslip.dynamics.periodic.newton import STEP, Root, newton_within, slopes_at
-from stickslip.dynamics.periodic.periodic_orbits import RUNS, PeriodicOrbit, orbit_through
+from stickslip.dynamics.periodic.periodic_orbits import orbit_through
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, flight, state_at, strobe_map
 from stickslip.models.model_adapter import adapter_of
 

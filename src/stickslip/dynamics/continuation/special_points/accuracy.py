@@ -39,7 +39,7 @@ class Special:
         cycle shrinks to a steady motion, or the name of an event of one's own.
     value : float
         The parameter there. Of a change of pattern or type it is the first number found beyond the border.
-    orbit : PeriodicOrbit or LimitCycle
+    orbit : PeriodicOrbit
         The motion there.
     accuracy : float
         By how much the value may be wrong, in the unit of the parameter: from how far the search was narrowed, the residuals, and the

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Mapping
-from functools import partial, singledispatch
+from functools import partial
 from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from stickslip.analysis.contact_modes import pressed_stops
 from stickslip.analysis.motion import Motion
 from stickslip.dynamics.continuation.following.pseudo_arclength import Path, Point
 from stickslip.dynamics.continuation.following.stretches import Stretch
@@ -18,9 +16,8 @@ from stickslip.dynamics.continuation.special_points.accuracy import certain
 from stickslip.dynamics.continuation.special_points.branch_points import broken_symmetry, crossing_between
 from stickslip.dynamics.continuation.special_points.near_grazings import BOTH_SIDES, Touch, touches
 from stickslip.dynamics.continuation.special_points.own_events import Event, number_of
-from stickslip.dynamics.flows.flow_orbits import FlowOrbit
+from stickslip.dynamics.periodic.closed_orbits import PeriodicOrbit
 from stickslip.dynamics.periodic.newton import root_between
-from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
 from stickslip.models.model_adapter import adapter_of
 
 _AT_A_FOLD = 0.05  # how near to 1 a multiplier must be: a direction that turns without one is rounding where a branch ends
@@ -35,8 +32,6 @@ _AT_ABOUT = 0.05  # of a period: instants of the same extreme in motions that ar
 _MULTIPLIERS = 1e-10  # how well they are known: under dynamic laws, at a tolerance of 1e-12, they are some 3e-11 from those at 3e-12
 _ROUNDED, _JUMPED = 1e-13, 1e-6  # of an event beside its zero: what rounding leaves of it, and what is left where it jumps
 _RESIDUALS = 10.0  # by how much more than the point itself a border may be moved by its residual
-_BETWEEN, _COUNTED = " | ", ", "  # the patterns of several contacts; what a motion touches
-_TOUCHES = {"hit": "hit", "take-off": "takes off"}
 _UNSEEN = 1e-12  # an arc shorter than 1e-13 of a period is not seen; borders known in closed form are moved by up to 6e-13 of their value
 
 
@@ -228,33 +223,9 @@ def _change(on: Stretch, low: tuple[float, Point], word: Callable[[Any], Any], l
     return outer, before, here
 
 
-@singledispatch
-def _word(orbit: Any) -> str:
-    """The name of the motion: its pattern if rest is exact, else its type, which depends on thresholds; and the parts that it touches."""
-    return _pattern_of(orbit) + _touched(orbit)
-
-
-@_word.register(FlowOrbit)
-def _(orbit: FlowOrbit) -> str:
-    """Of a flow its switches."""
-    return f"{len(orbit.events)} switches to {', '.join(map(str, orbit.pattern))}" if orbit.events else "no switch"
-
-
-def _touched(orbit: PeriodicOrbit) -> str:
-    """How often in the motion each stop is hit, or begins to be pressed, and each contact takes off: ", inner-body hit twice"."""
-    run = orbit.run
-    end = float(run.pieces.t[-1])
-    counts = Counter(f"{event.part} {_TOUCHES[event.kind]}" for event in run.events if event.kind in _TOUCHES)
-    counts.update({f"{name} pressed": sum(start > 0.0 for start, _ in of) for name, of in pressed_stops(run, 0.0, end).items()})
-    times = ("", "once", "twice", "three times or more")
-    return "".join(f"{_COUNTED}{name} {times[min(count, 3)]}" for name, count in sorted(counts.items()) if count)
-
-
-def _pattern_of(orbit: PeriodicOrbit) -> str:
-    """Of a machine of several bodies the patterns of all contacts; where laws never rest exactly its reversals say all that is sharp."""
-    if "patterns" in orbit.words:
-        return "" if _is_dynamic(orbit) else _BETWEEN.join(orbit.patterns.values())
-    return orbit.type if _is_dynamic(orbit) else orbit.pattern
+def _word(orbit: PeriodicOrbit) -> str:
+    """The name of the motion: it changes where the motion becomes another one."""
+    return orbit.signature
 
 
 def _is_dynamic(orbit: PeriodicOrbit) -> bool:
@@ -271,32 +242,12 @@ def _said_of_reversals(before: int, after: int, orbit: PeriodicOrbit) -> str:
 
 
 def _said_of_words(before: str, after: str, orbit: PeriodicOrbit) -> str:
-    m = orbit.motion if isinstance(orbit, PeriodicOrbit) else None
+    m = orbit.motion if _is_dynamic(orbit) else None
     if isinstance(m, Motion) and m.slip_ratio is not None:
         return f"type {before} becomes {after} by the thresholds slip_ratio = {m.slip_ratio:g}, dwell = {m.dwell:g}"
     return f"pattern {before} becomes {after}"
 
 
-@singledispatch
-def _kind_of_change(orbit: Any, before: str, after: str) -> str:
-    """A slide that is cut in two where its velocity touches zero is a grazing; any other change is a border of types."""
-    before, after = before.partition(_COUNTED)[0], after.partition(_COUNTED)[0]
-    changed = [(a, b) for a, b in zip(before.split(_BETWEEN), after.split(_BETWEEN), strict=True) if a != b]
-    return "grazing" if all(_is_grazing(a, b) for a, b in changed) else "type-border"
-
-
-@_kind_of_change.register(FlowOrbit)
-def _(orbit: FlowOrbit, before: str, after: str) -> str:
-    """More or fewer switches among the same modes begin where a guard is touched; of a flow any other change is a border of types."""
-    modes = [set(word.partition(" to ")[2].split(", ")) - {""} for word in (before, after)]
-    return "grazing" if modes[0] <= modes[1] or modes[1] <= modes[0] else "type-border"
-
-
-def _is_grazing(before: str, after: str) -> bool:
-    long, short = sorted((before, after), key=len, reverse=True)
-    for side in "+-":
-        if any(
-            side + gap + side in long + long and side + gap + side not in short + short for gap in ("0", "-" if side == "+" else "+")
-        ) and (long.count(side) > short.count(side)):
-            return True
-    return False
+def _kind_of_change(orbit: PeriodicOrbit, before: str, after: str) -> str:
+    """A motion in which something begins that is only touched is at a grazing; any other change is a border of types."""
+    return "grazing" if orbit.grazes(before, after) else "type-border"

@@ -13,7 +13,7 @@ from stickslip.dynamics.continuation.special_points.near_grazings import touches
 from stickslip.models.machine_adapter import machine_of
 
 if TYPE_CHECKING:
-    from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
+    from stickslip.dynamics.periodic.closed_orbits import PeriodicOrbit
 
 
 _NEAR = 1e-5  # of the largest gap in the motion: what is missed by less is grazed

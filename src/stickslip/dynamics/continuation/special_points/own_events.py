@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 from stickslip.basics.errors import InputError, Problems
 
 if TYPE_CHECKING:
-    from stickslip.dynamics.periodic.limit_cycles import LimitCycle
-    from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
+    from stickslip.dynamics.periodic.closed_orbits import PeriodicOrbit
 
 
 Event = Callable[[Any], float]
@@ -33,7 +32,7 @@ def checked_events(what: str, events: Any) -> dict[str, Event]:
     return dict(events)
 
 
-def number_of(name: str, event: Event, orbit: PeriodicOrbit | LimitCycle) -> float:
+def number_of(name: str, event: Event, orbit: PeriodicOrbit) -> float:
     """The value of an event for a motion; `InputError` if it is not a number.
 
     Examples
