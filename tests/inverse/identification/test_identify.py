@@ -656,11 +656,16 @@ def test_what_the_maker_misses_is_said_in_its_own_words(capsys, tmp_path):
     assert "name of a preset, of a law" in " ".join(capsys.readouterr().out.split())
 
 
-def test_a_force_over_less_than_a_period_is_fitted_without_a_lead():
+def test_a_motion_is_led_in_by_its_first_period_whatever_part_of_a_sample_that_has_and_not_by_less():
     t, x = strokes(n=400, periods=0.97)
     rec = ss.Record.of(t, {"x [m]": x, "F [N]": np.sign(np.gradient(x))}, roles={"F": "force"})
     for part in (rec, rec.between(0.0, 0.9), rec.between(0.1, 0.6)):
         assert motion_of(part, 10.0, "record").before == 0
+    for samples in (400, 400.02, 400.3, 400.49, 400.7, 400.98):  # in a period; the velocity of the first value was up to a half too small
+        x = np.sin(2 * np.pi * np.arange(2500) / samples)
+        rec = ss.Record.of(1e-3 * np.arange(2500), {"x [m]": 1e-3 * x, "F [N]": np.sign(np.gradient(x))}, roles={"F": "force"})
+        motion = motion_of(rec, 10.0, "record")
+        assert motion.before in (400, 401) and motion.at[motion.before] == pytest.approx(2 * np.pi / samples, rel=1e-3)
 
 
 def test_the_commands_say_what_to_type_in_the_shell(tmp_path, capsys):

@@ -338,10 +338,9 @@ def motion_of(rec: Record, load: float | None, label: str, any_start: bool = Fal
         raise InputError("identify", [f"{label} has {count} samples with position, force and a positive load; allowed are 16 or more"])
     flipped = float(np.nansum(0.5 * (F[1:] + F[:-1]) * np.diff(x))) < 0
     F = -F if flipped else F
-    lead = _first_period(rec, t, x, F) if leads else 0
+    lead, period = _first_period(rec, t, x, F) if leads else (0, 0.0)
     if lead:
-        shift = t[lead] - t[0]
-        t = np.concatenate([t[:lead] - shift, t])
+        t = np.concatenate([t[:lead] - period, t])
         x, F, N, own = (np.concatenate([a[:lead], a]) for a in (x, F, N, own))
     v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
     if thinned:  # a mean over a reversal is that of neither side
@@ -394,17 +393,21 @@ def _integrated(t: Array, v: Array) -> Any:
     return position
 
 
-def _first_period(rec: Any, t: Array, x: Array, F: Any) -> int:
-    """Samples of the first period, if the second repeats its motion and begins with the force that it began with."""
+def _first_period(rec: Any, t: Array, x: Array, F: Any) -> tuple[int, float]:
+    """Samples of the first period and how long it is [s], if the second repeats its motion and begins with the force that it began with.
+
+    A period is no whole number of samples: it ends half a step or more before the sample that begins the next.
+    """
     try:
-        frequency = rec.drive_frequency().value
+        period = 1 / rec.drive_frequency().value
     except InputError:
-        return 0
-    if (t[-1] - t[0]) * frequency < 2:
-        return 0
-    lead = int(np.searchsorted(t, t[0] + 1 / frequency))
-    if np.std(np.interp(t[:lead] + 1 / frequency, t, x) - x[:lead]) > _REPEATS * np.std(x[:lead]):
-        return 0
+        return 0, 0.0
+    if (t[-1] - t[0]) < 2 * period:
+        return 0, 0.0
+    lead = int(np.searchsorted(t, t[0] + period - 0.5 * float(np.median(np.diff(t)))))
+    if np.std(np.interp(t[:lead] + period, t, x) - x[:lead]) > _REPEATS * np.std(x[:lead]):
+        return 0, 0.0
     start, end = F[:8], F[lead : lead + 8]
     both = start[np.isfinite(start)], end[np.isfinite(end)]
-    return lead if all(map(len, both)) and abs(both[0].mean() - both[1].mean()) < 0.1 * (np.nanmax(F) - np.nanmin(F)) else 0
+    alike = all(map(len, both)) and abs(both[0].mean() - both[1].mean()) < 0.1 * (np.nanmax(F) - np.nanmin(F))
+    return (lead, period) if alike else (0, 0.0)
