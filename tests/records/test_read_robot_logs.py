@@ -10,6 +10,8 @@ import pytest
 import robot_files
 import stickslip as ss
 from rows import each_row
+from stickslip.basics.unpacking import Allowance
+from stickslip.records.robot_logs import Topics
 
 
 @each_row("more", [{}, {"dt": 0.01}], ids=["times", "a step"])
@@ -65,6 +67,8 @@ def test_a_library_that_is_missing_is_an_error_with_what_to_type(data, name, tmp
 
 
 def test_what_is_no_bag_in_sqlite_is_said_and_topics_of_unknown_types_are_named(tmp_path):
+    with pytest.raises(ss.InputError, match="no message of the MCAP holds numbers that can be read; /pose left out"):
+        Topics(Allowance("read", 100)).raw("MCAP", ["/pose left out"])
     pytest.importorskip("rosbags", reason="the extra [robot] is not installed")
     robot_files.WRITERS["rig.db3"](tmp_path / "rig.db3")
     assert any("/camera left out" in note and "vendor_msgs/msg/Frame" in note for note in ss.read(tmp_path / "rig.db3").notes)

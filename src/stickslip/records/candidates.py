@@ -11,6 +11,7 @@ import numpy as np
 from stickslip.records.channel import Channel
 
 _TURN = 6.5  # of an angle in radians, beyond which degrees are likelier
+_FAST = 5.0  # of a velocity in m/s, beyond which mm/s are likelier
 #: Words in names, and the unit that they suggest; more special ones first.
 _WORDS = (
     (r"time|zeit|timestamp|tick|elapsed|^t$", "s"),
@@ -63,13 +64,15 @@ def candidate_unit(name: str, values: Any) -> str:
     Examples
     --------
     >>> [candidate_unit(name, [0.0, 90.0]) for name in ("LDV", "Kraft", "angle", "lvdt_2", "battery")]
-    ['m/s', 'N', 'deg', 'mm', '1']
+    ['mm/s', 'N', 'deg', 'mm', '1']
     """
     unit = next((unit for pattern, unit in _WORDS if re.search(pattern, name.strip(), re.I)), "1")
     numbers = np.real(np.asarray(values))
     largest = float(np.max(np.abs(numbers[np.isfinite(numbers)]), initial=0.0))
     if unit == "rad" and largest > _TURN:
         return "deg"
+    if unit == "m/s" and largest > _FAST:
+        return "mm/s"
     if unit == "s" and len(numbers) > 1 and float(np.median(np.abs(np.diff(numbers)))) >= 1.0:
         return "ms"
     return unit

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import json
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -59,11 +59,11 @@ class Topics:
             return
         yield from _leaves("", fields, None)
 
-    def raw(self, what: str) -> Raw:
-        """The channels; those of one topic share its times."""
+    def raw(self, what: str, notes: Sequence[str] = ()) -> Raw:
+        """The channels; those of one topic share its times. `notes` say what was left out."""
         raw = Raw(what)
         if not self.numbers:
-            raise InputError("read", [f"no message of the {what} holds numbers that can be read"])
+            raise InputError("read", ["; ".join([f"no message of the {what} holds numbers that can be read", *notes])])
         first = min(times[0] for topic in self.numbers.values() for times, _, _ in topic.values())
         for topic, named in self.numbers.items():
             axes: dict[tuple[float, ...], RawColumn] = {}
@@ -72,7 +72,7 @@ class Topics:
                 axis = axes.setdefault(key, RawColumn("time", "s", np.array(times) - first))
                 called = name if len(self.numbers) == 1 else f"{topic.strip('/')}.{name}"
                 raw.columns.append(RawColumn(called, unit or unit_of_heading(name)[1], np.array(values), axis))
-        raw.notes += [_TURNS] if self.joints else []
+        raw.notes += [*notes, *([_TURNS] if self.joints else [])]
         return raw
 
 
@@ -123,9 +123,9 @@ def parse_mcap(data: bytes, allowance: Allowance) -> Raw:
                 topics.add(channel.topic, 1e-9 * message.log_time, stores[schema.id](message.data))
             else:
                 strange[channel.topic] = channel.message_encoding
-    raw = topics.raw("MCAP")
-    raw.notes += [f"{topic} left out: messages in {how!r} are not read; JSON and those of ROS are" for topic, how in strange.items()]
-    return raw
+    return topics.raw(
+        "MCAP", [f"{name} left out: messages in {how!r} are not read; JSON and those of ROS are" for name, how in strange.items()]
+    )
 
 
 def _decoder(name: str, definition: str, encoding: str) -> Any:
@@ -201,6 +201,6 @@ def _one_episode(raw: Raw, number: int | None) -> Raw:
         if c.name not in counts
     ]
     if len(there) > 1 and number is None:
-        others = f"the others are episode={there[1]:.0f} to {there[-1]:.0f}"
+        others = f"the others are episode={there[1]:.0f}" + (f" to {there[-1]:.0f}" if len(there) > 2 else "")
         raw.notes.append(f"of {len(there)} episodes the first is read, {int(own.sum())} of {len(own)} rows; {others}")
     return raw

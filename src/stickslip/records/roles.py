@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -39,7 +40,7 @@ OURS = {"x": "position", "v": "velocity", "acceleration": "acceleration", "xi": 
 def roles_of(columns: list[RawColumn], typed: dict[str, str]) -> dict[str, str | None]:
     """Roles of channels: as typed, else as the file says, else as name and unit determine without doubt.
 
-    A name says more than a unit, and what is typed most.
+    A name says more than a unit, and what is typed most; of several joints the other channels are those of the one that was typed.
     """
     alias = {"convected velocity": "velocity"}
     ours = set(OURS) <= {c.name for c in columns}
@@ -47,7 +48,28 @@ def roles_of(columns: list[RawColumn], typed: dict[str, str]) -> dict[str, str |
     named = {role for role, by_name in candidates.values() if by_name}
     roles = {name: None if role in named and not by_name else role for name, (role, by_name) in candidates.items()}
     given = {name: None if role == UNUSED else alias.get(role, role) for name, role in typed.items()}
-    return {name: None if role in given.values() else role for name, role in roles.items()} | given
+    open_yet = {name: None if role in given.values() else role for name, role in roles.items()} | given
+    return of_one_joint(open_yet, [name for name, role in given.items() if role is not None])
+
+
+def of_one_joint(roles: dict[str, str | None], chosen: Collection[str]) -> dict[str, str | None]:
+    """Roles, of which each that several channels may have goes to the one that shares most of its name with a chosen channel.
+
+    Examples
+    --------
+    >>> names = {f"{joint}.{what}": what for joint in ("hip", "knee") for what in ("position", "velocity")}
+    >>> [name for name, role in of_one_joint(names, ["knee.position"]).items() if role is not None]
+    ['knee.position', 'knee.velocity']
+    """
+    words = {name: set(re.findall(r"[^\W\d_]+|\d+", name.lower())) for name in (*roles, *chosen)}
+    kept = dict(roles)
+    for role in {role for role in roles.values() if role is not None}:
+        rivals = [name for name, own in roles.items() if own == role]
+        own = [name for name in rivals if name in chosen]
+        shared = {name: max((len(words[name] & words[each]) for each in chosen), default=0) for name in rivals}
+        nearest = own or [name for name in rivals if shared[name] == max(shared.values())]
+        kept |= dict.fromkeys(rivals, None) | {nearest[0]: role} if len(nearest) == 1 else {}
+    return kept
 
 
 def _role_and_why(c: RawColumn) -> tuple[str | None, bool]:

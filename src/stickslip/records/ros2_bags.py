@@ -37,9 +37,7 @@ def parse(data: bytes, allowance: Allowance) -> Raw:
                 notes.append(f"{topic} left out: messages of the type {kind!r} in {how!r} are not known here")
                 continue
             _add(file, store, topics, number, topic, kind)
-    raw = topics.raw(what)
-    raw.notes += notes
-    return raw
+    return topics.raw(what, notes)
 
 
 def _add(file: sqlite3.Connection, store: Any, topics: Topics, number: int, topic: str, kind: str) -> None:

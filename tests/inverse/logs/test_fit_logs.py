@@ -174,7 +174,7 @@ def test_the_machine_follows_from_what_was_measured(columns, kinds):
     "name, values, unit",
     [
         ("tick", np.arange(5.0), "ms"), ("time", np.arange(5) * 1e-3, "s"), ("Drehmoment", [1.0], "N m"), ("angle", [90.0], "deg"),
-        ("angle", [1.0], "rad"), ("cur", [0.1], "A"), ("battery", [12.0], "1"), ("load_cell", [3.0], "N"), ("LDV", [0.1], "m/s"),
+        ("angle", [1.0], "rad"), ("cur", [0.1], "A"), ("battery", [12.0], "1"), ("load_cell", [3.0], "N"), ("LDV", [0.1], "m/s"), ("LDV", [9.0], "mm/s"),
     ],
 )  # fmt: skip
 def test_every_bare_channel_has_a_candidate_unit_of_its_own(name, values, unit):
@@ -186,11 +186,6 @@ def test_laws_of_a_long_record_are_compared_on_some_of_its_samples_and_the_best_
     result = ss.fit(rig.fit.records[0], starts=2, machine="rig")
     assert result.law == "stribeck" and result.fit.count == rig.fit.count and result.fits["coulomb"].count < 0.6 * rig.fit.count
     assert "one sample of 2" in next(p.why for p in result.proposals if p.what == "law")
-
-
-def test_a_proposal_is_frozen(servo):
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        servo.proposals[0].taken = "something else"
 
 
 # tables without times -----------------------------------------------------------------------------------------------
@@ -285,6 +280,22 @@ def test_a_command_is_known_by_its_name_and_alone_with_an_angle_it_is_no_log_of_
     assert rec["command"].name == "cmd_deg" and rec["position"].name == "pos_deg"
     assert "kp and motor_constant and resistance and inertia and gravity_torque are missing" in plan_of([rec], {}, {}, None, {}).problem
     assert plan_of([ss.read(log | {"cur_mA": np.cos(t)})], {}, {}, None, {}).kind.name == "joint"
+
+
+def test_of_several_joints_the_first_that_moves_is_proposed_and_one_typed_role_names_another():
+    t, names = np.arange(0.0, 1.0, 1e-2), [f"{joint} {what}" for joint in ("grip", "hip", "knee") for what in ("pos [rad]", "cur [A]")]
+    columns = dict(zip(names, ([0 * t, 0 * t, np.sin(9 * t), np.cos(9 * t), np.sin(5 * t), np.cos(5 * t)]), strict=True))
+    plan = plan_of([ss.read({"t [s]": t} | columns)], {}, {}, None, {})
+    assert plan.kind.name == "joint" and {plan.records[0][role].name for role in ("position", "current")} == {"hip pos", "hip cur"}
+    assert {p.what: p.flag for p in plan.channels if p.why == "of another joint"}["knee cur"] == '--role "knee cur"=current'
+    for roles, own in ((plan.joint.roles, "hip cur"), ({"knee pos": "position"}, "knee cur")):
+        assert ss.read({"t [s]": t} | columns, roles=roles)["current"].name == own  # as the Python of the fit reads it
+    two = plan_of([ss.read({"t [s]": t, "x1 [mm]": t, "x2 [mm]": np.sin(t), "F [N]": t})], {}, {}, None, {})
+    assert (
+        two.problem.startswith("2 channels may be the position: 'x1', 'x2'") and len(two.channels) == 4
+    )  # of which joint the force is, is open
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        plan.channels[0].taken = "something else"
 
 
 def test_friction_of_a_servo_from_a_file_of_command_and_angle(tmp_path, capsys):

@@ -86,7 +86,7 @@ def test_a_fit_can_be_stopped_and_the_page_stays_usable_meanwhile(page):
     assert page.page.locator("#fit-start").is_enabled() and page.page.locator("#fit-result").is_hidden()
 
 
-def test_a_record_of_another_frequency_is_said_and_the_model_takes_it_on_a_click(page):
+def test_the_model_takes_the_frequency_of_a_record_on_a_click_and_one_field_takes_all_numbers_by_their_names(page):
     t = np.arange(0, 1.5, 1e-3)
     rows = "\n".join(f"{a:.4f},{3 + 20 * np.sin(2 * np.pi * 58 * a):.5f}" for a in t)
     drop(page, {"v.csv": f"t [s],v [mm/s]\n{rows}"})
@@ -95,6 +95,17 @@ def test_a_record_of_another_frequency_is_said_and_the_model_takes_it_on_a_click
         page.page.locator("#record-frequency-take").click()
     assert float(page.page.locator("input[name=omega]").input_value()) == pytest.approx(2 * np.pi * 58, rel=1e-4)
     assert page.page.locator("#record-frequency").is_hidden()
+    fields = page.page.locator("#fit-numbers input")
+    page.page.locator("#fit-said", has_text="One field takes all of them: amplitude=5e-4 tilt_deg=1.7").wait_for()
+    for typed, said in (("amplitude=0,5 mm, tilt_deg=x", "tilt_deg is not a number"), ("amplitud=0.5", "amplitud is not known")):
+        fields.nth(0).fill(typed)
+        fields.nth(0).blur()
+        page.page.locator("#fit-said", has_text=said).wait_for()
+        assert fields.nth(0).input_value() == typed
+    fields.nth(0).fill("--set amplitude=0,5 mm --set tilt_deg=1.7")
+    fields.nth(0).blur()
+    page.page.locator("#fit-said:not([data-state=busy])", has_text=re.compile("^$")).wait_for(state="attached")
+    assert [fields.nth(k).input_value() for k in range(5)] == ["0.5 mm", "1.7", "", "", ""]
 
 
 # what is proposed ---------------------------------------------------------------------------------------------------

@@ -94,8 +94,9 @@ def fit(
     """
     files, units, roles, given = list(file) if isinstance(file, (list, tuple)) else [file], units or {}, roles or {}, dict(numbers or {})
     records = [each if isinstance(each, Record) else read(each, units=units, roles=roles, **reading) for each in files]
-    readings = [written(each, units, roles, reading) for each in files]
-    return fit_plan(plan_of(records, units, roles, machine, given), readings, law, asymmetric, sensor, starts, progress)
+    plan = plan_of(records, units, roles, machine, given)
+    readings = [written(each, units, roles | plan.joint.roles, reading) for each in files]
+    return fit_plan(plan, readings, law, asymmetric, sensor, starts, progress)
 
 
 def fit_plan(

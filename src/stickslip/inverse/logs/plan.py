@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.basics.phrases import counted
 from stickslip.basics.typed_numbers import in_unit
+from stickslip.inverse.logs.joints import JointChoice, of_first_joint
 from stickslip.inverse.logs.kinds import kind_named, kinds_but_for_times, kinds_for
 from stickslip.inverse.logs.machines import Kind
 from stickslip.inverse.logs.proposals import Proposal, missing_units, of_channels, table
@@ -42,6 +43,8 @@ class Plan:
         All kinds that the channels suit.
     problem : str
         What has to be typed before anything can be fitted; empty where nothing is missing.
+    joint : JointChoice
+        The joint that is proposed of several.
     """
 
     records: tuple[Record, ...]
@@ -51,6 +54,7 @@ class Plan:
     why: str
     able: dict[str, Kind]
     problem: str
+    joint: JointChoice = field(default_factory=JointChoice)
 
     @property
     def rivals(self) -> list[Kind]:
@@ -86,11 +90,15 @@ def plan_of(records: Sequence[Record], units: dict[str, str], roles: dict[str, s
     >>> plan_of([read({"pos_mm": [0.0, 1.0], "F_N": [1.0, 2.0]})], {}, {}, None, {}).problem
     'the file has no times, and looks like a friction rig, whose motion needs them; type rate=1000.0 with the samples per second'
     """
-    channels = tuple(dict.fromkeys(line for rec in records for line in of_channels(rec, units, roles)))
-    possible = kinds_for(records)
+    records, joint = of_first_joint(records, roles)
+    channels = tuple(dict.fromkeys(line for rec in records for line in of_channels(rec, units, roles, joint)))
+    try:
+        possible, doubt = kinds_for(records), ""
+    except InputError as error:  # several channels for one role
+        possible, doubt = {}, error.problems[0]
     able = {name: kind for name, (kind, _) in possible.items()}
     kind, why = next(iter(possible.values()), (None, ""))
-    problem = _bare(records, bool(able))
+    problem = doubt or _bare(records, bool(able))
     if machine is not None:
         named = kind_named(machine)
         if named.name in able:
@@ -103,7 +111,7 @@ def plan_of(records: Sequence[Record], units: dict[str, str], roles: dict[str, s
     elif not problem:
         given = _checked_numbers(kind, given, len(records))
         problem = kind.lacks(records, given)
-    return Plan(tuple(records), channels, given, kind, why, able, problem)
+    return Plan(tuple(records), channels, given, kind, why, able, problem, joint)
 
 
 def _unsuited(records: Sequence[Record]) -> str:

@@ -10,6 +10,7 @@ from stickslip.basics.units import unit_of_heading
 from stickslip.records.channel import ROLES
 
 if TYPE_CHECKING:
+    from stickslip.inverse.logs.joints import JointChoice
     from stickslip.records.record import Record
 
 
@@ -52,15 +53,16 @@ def table(proposals: Sequence[Proposal]) -> str:
     return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows)
 
 
-def of_channels(rec: Record, units: dict[str, str], roles: dict[str, str]) -> list[Proposal]:
-    """A line for the time axis and for each channel of a record, of which `units` and `roles` were typed."""
+def of_channels(rec: Record, units: dict[str, str], roles: dict[str, str], joint: JointChoice) -> list[Proposal]:
+    """A line for the time axis and for each channel of a record, of which `units` and `roles` were typed and a `joint` was proposed."""
     lines, axes = [], dict.fromkeys((c.axis_name or "", c.axis_unit) for c in rec.channels.values() if c.axis_name != "sample")
     lines += [Proposal(name, f"time {_in(unit)}", _unit_why(name, unit, units), f"--unit {_word(name)}=UNIT") for name, unit in axes]
     for c in rec.channels.values():
         if c.role is None:
-            lines.append(Proposal(c.name, "left out", "neither its name nor its unit says what it is for", f"--role {_word(c.name)}=ROLE"))
+            why = "of another joint" if c.name in joint.others else "neither its name nor its unit says what it is for"
+            lines.append(Proposal(c.name, "left out", why, f"--role {_word(c.name)}={joint.others.get(c.name, 'ROLE')}"))
             continue
-        how = "role typed" if c.name in roles else "role by name or unit"
+        how = "role typed" if c.name in roles else "of the first joint that moves" if c.name in joint.roles else "role by name or unit"
         flags = f"--role {_word(c.name)}=ROLE --unit {_word(c.name)}=UNIT"
         lines.append(Proposal(c.name, f"{c.role} {_in(c.unit)}", f"{how}, {_unit_why(c.name, c.unit, units)}", flags))
     return lines

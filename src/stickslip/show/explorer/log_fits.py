@@ -113,7 +113,7 @@ def _fitted(wish: dict[str, Any], data: bytes) -> dict[str, Any]:
     choices, records = choices_of(wish), unpacked_records(data)
     plan = plan_of(records, choices.units, choices.roles, choices.machine, choices.numbers)
     own = [choices.of(names_of(record)) for record in records]
-    readings = [written(str(rec.source["path"]), of.units, of.roles, {}) for rec, of in zip(records, own, strict=True)]
+    readings = [written(str(rec.source["path"]), of.units, of.roles | plan.joint.roles, {}) for rec, of in zip(records, own, strict=True)]
     return result_of(fit_plan(plan, readings, choices.law, choices.asymmetric))
 
 

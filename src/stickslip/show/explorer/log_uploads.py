@@ -12,6 +12,7 @@ import numpy as np
 
 from stickslip.basics.errors import InputError, StickslipError, without_advice
 from stickslip.basics.units import quantity_of
+from stickslip.inverse.logs.joints import of_first_joint
 from stickslip.inverse.logs.kinds import kinds_for
 from stickslip.inverse.logs.plan import Plan, plan_of
 from stickslip.records import Record
@@ -49,7 +50,7 @@ def plan_response(name: str, data: bytes, wish: Any) -> bytes:
     laws = [] if plan.kind is None else [*plan.kind.laws, *plan.kind.richer]
     notes = dict.fromkeys(without_advice(note) for record in records for note in record.notes)
     return encoded({
-        "kind": "plan", "channels": _axes(records, suggested) + _channels(plan, records, suggested), "roles": [*ROLES, UNUSED],
+        "kind": "plan", "channels": _axes(records, suggested) + _channels(plan, suggested), "roles": [*ROLES, UNUSED],
         "units": choices.units | suggested, "machine": plan.kind.name if plan.kind else "", "machines": kinds, "why": plan.why,
         "numbers": _numbers(plan, assumed), "laws": laws, "beside": _belongs_beside_curves(plan, records[0]),
         "problem": without_advice(problem), "notes": list(notes),
@@ -81,7 +82,7 @@ def _records(files: list[tuple[str, bytes]], choices: Choices) -> tuple[list[Rec
         return records, {}
     try:
         with_units = [read_log(*each, replace(choices, units=choices.units | suggested)) for each in files]
-        kinds_for(with_units)
+        kinds_for(of_first_joint(with_units, choices.roles)[0])
     except InputError:
         return records, {}
     return with_units, suggested
@@ -117,11 +118,14 @@ def _field(name: str, role: str, unit: str | None, why: str, suggested: dict[str
     return {"name": name, "role": role, "unit": unit or "", "why": said, "suggested": name in suggested, "range": spread}
 
 
-def _channels(plan: Plan, records: list[Record], suggested: dict[str, str]) -> list[dict[str, Any]]:
+def _channels(plan: Plan, suggested: dict[str, str]) -> list[dict[str, Any]]:
     """A field for each channel; one for those of the same name in several files."""
     why, alike = {p.what: p.why for p in plan.channels}, dict[str, list[Channel]]()
-    for c in (c for record in records for c in record.channels.values()):
+    for c in (c for record in plan.records for c in record.channels.values()):
         alike.setdefault(c.name, []).append(c)
+    why |= {name: f"of another joint; to fit that one set its role to {role}" for name, role in plan.joint.others.items()}
+    unused = {name for name, cs in alike.items() if cs[0].role is None} - set(plan.joint.others)
+    why |= dict.fromkeys(unused, "not used")
     return [_field(name, cs[0].role or UNUSED, cs[0].unit, why[name], suggested, _range(cs)) for name, cs in alike.items()]
 
 

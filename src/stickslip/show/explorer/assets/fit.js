@@ -48,12 +48,18 @@ async function plan() {
     if (number !== planning) return { fits: false, beside: false };
     choices.units = header.units;
     show(header);
-    say(header.problem, "wait");
+    say(header.problem + atOnce(header.numbers), "wait");
     return { fits: header.machines.length > 0, beside: header.beside };
   } catch (error) {
     if (number === planning) say(error.message);
     return { fits: false, beside: true }; // reading it as a velocity says what is wrong
   }
+}
+
+// How to type all numbers that are missing in one field, where there are several.
+function atOnce(numbers) {
+  const missing = numbers.filter((n) => n.needed && n.typed === null);
+  return missing.length > 1 ? `. One field takes all of them: ${missing.map((n) => `${n.name}=${n.example}`).join(" ")}` : "";
 }
 
 async function asked(where, options = {}) {
@@ -112,15 +118,32 @@ function place(id, elements) {
 
 function take(given) {
   if (!given) return say("the drive of the sliders is none that a log is fitted with; type the numbers", "wait");
-  for (const [name, value] of Object.entries(given.numbers)) {
-    const input = fields.get(name)?.querySelector("input");
-    if (!input) continue;
+  $("fit-asymmetric").checked = choices.asymmetric = given.asymmetric;
+  fillIn(Object.entries(given.numbers).filter(([name]) => fields.has(name)));
+}
+
+// Numbers for fields, each by the name of its own; they are read again.
+function fillIn(numbers) {
+  for (const [name, value] of numbers) {
+    const input = fields.get(name).querySelector("input");
     delete input.dataset.wrong;
-    input.value = String(value);
+    input.value = [value].flat().join("; ");
     choices.numbers = { ...choices.numbers, [name]: value };
   }
-  $("fit-asymmetric").checked = choices.asymmetric = given.asymmetric;
   plan();
+}
+
+// What is typed into a field: a number, one with its unit, or several, one for each file; undefined if it is none of these.
+function numberIn(typed) {
+  const text = typed.trim().replaceAll(",", "."), values = text.split(";").map((part) => part.trim()).map((part) => (Number.isFinite(Number(part || NaN)) ? Number(part) : part));
+  const sound = values.every((each) => typeof each === "number" || /^[+-]?[\d.]+(e[+-]?\d+)?\s*\S+/i.test(each));
+  return sound ? (values.length > 1 ? values : values[0]) : undefined;
+}
+
+// Several numbers by their names in one field, as in a shell: "kp=38 resistance=3", "--set kp=38 --set resistance=3".
+function namedIn(text) {
+  const pairs = [...text.matchAll(/([A-Za-z_]\w*)\s*=\s*(.*?)(?=[\s,;]*(?:--set\s+)?[A-Za-z_]\w*\s*=|[\s,;]*$)/g)];
+  return pairs.map(([, name, value]) => [name, fields.has(name) ? numberIn(value) : undefined]);
 }
 
 const busy = (input) => input === document.activeElement || input.dataset.wrong !== undefined; // what was typed and cannot be read stays
@@ -139,7 +162,7 @@ function column(name) {
     if (!busy(unit)) unit.value = c.unit;
     if (row.children[1] !== (isTime ? time : role)) row.children[1].replaceWith(isTime ? time : role);
     if (!isTime) role.replaceChildren(...roles.map((each) => new Option(each === "unused" ? "left out" : each, each, false, each === c.role)));
-    why.textContent = isTime ? c.why : `${span}${c.role === "unused" ? "not used" : c.why}`;
+    why.textContent = isTime ? c.why : `${span}${c.why}`;
   };
   return row;
 }
@@ -149,11 +172,15 @@ const short = (x) => Number(x.toPrecision(3)).toString();
 function number(name) {
   const label = made("label"), title = made("span"), words = made("small"), input = made("input", "", { type: "text", autocomplete: "off" });
   input.addEventListener("change", () => {
-    const text = input.value.trim().replaceAll(",", "."), values = text.split(";").map((part) => part.trim()).map((part) => (Number.isFinite(Number(part || NaN)) ? Number(part) : part));
-    const sound = values.every((each) => typeof each === "number" || /^[+-]?[\d.]+(e[+-]?\d+)?\s*\S+/i.test(each)); // a number, or one with its unit
+    const text = input.value.trim(), many = text.includes("="), numbers = many ? namedIn(text) : [[name, numberIn(text)]], wrong = numbers.find(([, value]) => value === undefined);
     delete input.dataset.wrong;
-    if (text && !sound) { input.dataset.wrong = ""; input.setAttribute("aria-invalid", "true"); return say(`${name}: ${input.value} is not a number`); }
-    if (text) choices.numbers = { ...choices.numbers, [name]: values.length > 1 ? values : values[0] };
+    if (text && (wrong || !numbers.length)) {
+      input.dataset.wrong = "";
+      input.setAttribute("aria-invalid", "true");
+      return say(!many ? `${name}: ${text} is not a number` : `${wrong && fields.has(wrong[0]) ? `${wrong[0]} is not a number` : `${wrong?.[0] ?? text} is not known`} in ${text}; type for example ${name}=1`);
+    }
+    if (many) { input.value = ""; return fillIn(numbers); }
+    if (text) choices.numbers = { ...choices.numbers, [name]: numbers[0][1] };
     else delete choices.numbers[name];
     plan();
   });
