@@ -174,7 +174,8 @@ def test_the_machine_follows_from_what_was_measured(columns, kinds):
     "name, values, unit",
     [
         ("tick", np.arange(5.0), "ms"), ("time", np.arange(5) * 1e-3, "s"), ("Drehmoment", [1.0], "N m"), ("angle", [90.0], "deg"),
-        ("angle", [1.0], "rad"), ("cur", [0.1], "A"), ("battery", [12.0], "1"), ("load_cell", [3.0], "N"), ("LDV", [0.1], "m/s"), ("LDV", [9.0], "mm/s"),
+        ("angle", [1.0], "rad"), ("cur", [0.1], "A"), ("battery", [12.0], "1"), ("load_cell", [3.0], "N"), ("LDV", [0.1], "m/s"),
+        ("LDV", [9.0], "mm/s"),
     ],
 )  # fmt: skip
 def test_every_bare_channel_has_a_candidate_unit_of_its_own(name, values, unit):
