@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from functools import partial, singledispatch
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.basics.arguments import Executes, Maker, explains_arguments
-from stickslip.basics.batch import cases_of, some_of
+from stickslip.basics.batch import some_of
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import Problems
 from stickslip.basics.executors import Workers
@@ -18,15 +18,14 @@ from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, OF_MOTIO
 from stickslip.dynamics.attractors.motion_features import features_of
 from stickslip.dynamics.attractors.settled_motions import Settling, checked_limit, settled_motions
 from stickslip.dynamics.continuation.one_parameter import Family, family
-from stickslip.dynamics.derivatives.tangents import jacobians_of, not_followed
+from stickslip.dynamics.derivatives.growth import derivatives_after
+from stickslip.dynamics.derivatives.tangents import not_followed
 from stickslip.dynamics.exponents.motion_exponents import exponents_from
-from stickslip.dynamics.flows.flow_stretches import passage
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, over_chunks
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.strobe_maps import FlowCoordinates, coordinates, spread_over, strobe_map
-from stickslip.solvers.plain.composed_flows import mode_of_strobe_state
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over, strobe_map
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -195,23 +194,8 @@ def _by_multipliers(model: Model, state: Array, period: int, at: Coordinates, rt
     """The largest exponent per drive period of motions that repeat; its error: how far it is from that of the next turn."""
     after = strobe_map(model, state, period, rtol).state
     with np.errstate(divide="ignore", invalid="ignore"):
-        first, second = (np.log(_largest(_jacobians(at, model, s, period, rtol))) / period for s in (state, after))
+        first, second = (np.log(_largest(derivatives_after(at, model, s, period, rtol))) / period for s in (state, after))
         return first, np.nan_to_num(abs(first - second), posinf=np.inf)
-
-
-@singledispatch
-def _jacobians(at: Coordinates, models: Model, states: Array, period: int, rtol: float) -> Array:
-    """Derivatives of states after so many periods, in scales: array (cases, states, states)."""
-    scales = at.scales[: at.smooth]
-    return jacobians_of(models, states, period, rtol) * (scales / scales[:, None])
-
-
-@_jacobians.register(FlowCoordinates)
-def _(at: FlowCoordinates, flows: Any, states: Array, period: int, rtol: float) -> Array:
-    """Without the drifts of cyclic states, and not in scales, which largest eigenvalues do not see."""
-    along = zip(cases_of(flows), states, strict=True)
-    passed = [(flow, passage(flow, s[:-1], mode_of_strobe_state(flow, s), period * float(flow.period))) for flow, s in along]
-    return np.stack([flow.drifts.without(each.monodromy) for flow, each in passed])
 
 
 def _largest(matrices: Array) -> Array:

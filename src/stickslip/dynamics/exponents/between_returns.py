@@ -14,24 +14,19 @@ G. Benettin, L. Galgani, A. Giorgilli and J.-M. Strelcyn, Meccanica 15 (1980) 9;
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import singledispatch
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.interruption import look, partial_result
-from stickslip.dynamics.derivatives.tangents import Directions, changes_along
+from stickslip.dynamics.derivatives.growth import growth_in_stretches, rates_at
 from stickslip.dynamics.exponents.general_exponents import Lyapunov
 from stickslip.dynamics.exponents.lost_directions import summary, with_lost
-from stickslip.dynamics.flows.flow_stretches import passage
-from stickslip.dynamics.periodic.cycle_sections import far_end
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chosen_sections import LONGEST_RETURN
-from stickslip.dynamics.stroboscopic.strobe_maps import FlowCoordinates, flow_map, strobe_map, strobe_points
-from stickslip.engine.tangent import tangent_and_volume
+from stickslip.dynamics.stroboscopic.strobe_maps import strobe_map, strobe_points
 from stickslip.models.model_adapter import adapter_of
-from stickslip.solvers.plain.composed_flows import composed, mode_of_strobe_state
 from stickslip.studies.progress import Watch
 
 if TYPE_CHECKING:
@@ -42,7 +37,6 @@ CHUNK = 50  # returns that are followed at a time
 LEAST = 20  # that give an average and an error
 ALIGN = 20  # in which directions turn into place
 _JUST_AFTER = 1e-12  # of a return to a switch: rounding must not leave out what the switch does to small changes
-_BRIEFLY = 1e-6  # of the time of a motion: over which its rates are differences
 _STILL = 1e-9  # in scales and that time: what moves by less stands still, and has no direction of its own
 _FALLS, _LASTS = 1e-6, 0.25  # from one quarter of the returns to the next: logarithms of rates; part of the first fall that is left
 
@@ -62,17 +56,18 @@ def between_returns(
             count = ALIGN if parts < 0 else min(CHUNK, periods - parts)
             points, _, took = strobe_points(model, state, count, rtol, at)
             begins, state = np.vstack([state, points[:-1, 0]]), points[-1]
-            for M, volume, f in _stretches(at, model, rtol, begins, took[:, 0] * after):
+            growth, rates = growth_in_stretches(at, model, begins, rtol, took[:, 0] * after), rates_at(at, model, begins, _time_of(at))
+            for M, volume, f in zip(growth.matrices, growth.volumes, rates, strict=True):
                 logs.append(with_lost(frame.carried(M, f), volume, 0))
                 lengths.append(frame.longer)
             times += took[:, 0].tolist()
             parts += count
             watch.finished(0, np.zeros(max(count if parts > 0 else 0, 0), int))
     ending.needs(parts >= LEAST)
-    growth, longer = np.array(logs[ALIGN:]), np.array(lengths[ALIGN:])
+    grown, longer = np.array(logs[ALIGN:]), np.array(lengths[ALIGN:])
     if _dies_out(longer):
-        growth[:, 0] += np.nan_to_num(longer)
-    exponents = summary(growth, float(np.mean(times[ALIGN:])), adapter_of(model).unit_of_time)
+        grown[:, 0] += np.nan_to_num(longer)
+    exponents = summary(grown, float(np.mean(times[ALIGN:])), adapter_of(model).unit_of_time)
     notes = ending.note(f"averages over {parts} of {periods} returns"), exponents.note
     return replace(exponents, note="; ".join(filter(None, notes))), ending.interrupted
 
@@ -119,34 +114,6 @@ class Frame:
 def _logs(growth: Any) -> Array:
     with np.errstate(divide="ignore"):
         return np.log(abs(np.asarray(growth)))
-
-
-@singledispatch
-def _stretches(at: Coordinates, model: Model, rtol: float, begins: Array, took: Array) -> list[tuple[Array, Any, Array]]:
-    """Of each stretch its derivative, in scales, the logarithm of the growth of its volume, and the rates at its beginning."""
-    scales = at.scales[: at.smooth]
-    count, d = len(begins), len(scales)
-    states, starts = np.repeat(begins, d, axis=0), np.tile(np.diag(scales), (count, 1))
-    changes = changes_along(model, states, starts, how=Directions(rtol=rtol, span=np.repeat(took, d), made=tangent_and_volume))
-    h = _BRIEFLY * _time_of(at)
-    soon, later = (flow_map(model, begins, k * h).state[:, :d] for k in (1.0, 2.0))
-    rates = (4.0 * soon - 3.0 * begins[:, :d] - later) / (2.0 * h)
-    rates[:, 0] -= far_end(model)
-    matrices = (changes.change / scales).reshape(count, d, d).transpose(0, 2, 1)
-    return list(zip(matrices, changes.volume[::d], rates * _time_of(at) / scales, strict=True))
-
-
-@_stretches.register(FlowCoordinates)
-def _(at: FlowCoordinates, flow: Any, rtol: float, begins: Array, took: Array) -> list[tuple[Array, Any, Array]]:
-    """The same of a flow, right at its switches; of its volume it is only known where a switch wipes out a direction."""
-    fields, stretches = composed(flow).fields, []
-    for state, time in zip(begins, took.tolist(), strict=True):
-        mode = mode_of_strobe_state(flow, state)
-        done = passage(flow, state[:-1], mode, time)
-        rates = np.delete(np.array(fields[mode](0.0, list(state[:-1])), float), flow.drifts.free)
-        volume = -np.inf if done.rank_deficient else np.nan
-        stretches.append((flow.drifts.without(done.monodromy), volume, rates * _time_of(at)))
-    return stretches
 
 
 def _time_of(at: Coordinates) -> float:

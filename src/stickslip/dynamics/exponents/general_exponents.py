@@ -6,7 +6,7 @@ The derivative may be given; else the function's own lines are called with numbe
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -19,7 +19,7 @@ from stickslip.basics.fields import floats
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import Ending, interruptible, look, looking, partial_result
 from stickslip.basics.notebook_display import Drawn, rounded, with_error
-from stickslip.dynamics.exponents.growing_frames import compiled_flow, growth_along, orbit_of_map, stretches_of
+from stickslip.dynamics.exponents.growing_frames import compiled_flow, grown, growth_along, orbit_of_map, stretches_of
 from stickslip.dynamics.flows.flow_stretches import needs_flow
 from stickslip.solvers.flow_engine import unknown
 from stickslip.solvers.plain.user_functions import coordinates_of_map, of_state
@@ -267,16 +267,11 @@ def lyapunov_of_flow(
     if not callable(f):
         needs_flow("lyapunov_of_flow", f, f"f = {f!r}; allowed is a function that gives the rates of a list of numbers, or a SwitchingFlow")
         return _of_stretches(f, x, mode, unknown(f, len(x)), duration=duration, settle=settle, every=every, rtol=rtol)
-    n, slope = len(x), jacobian or (lambda x: of_state(f, x)[1])
-
-    def rates(t: float, y: Array) -> Array:
-        return np.concatenate([coordinates_of_map(f, y[:n]), (np.asarray(slope(y[:n]), float) @ y[n:].reshape(n, n)).ravel()])
-
     if not np.isfinite(coordinates_of_map(f, x)).all():
         raise InputError("lyapunov_of_flow", [f"f gave {coordinates_of_map(f, x).tolist()} at x0 = {x0!r}; allowed are finite rates"])
     if not duration / every <= _MOST:
         raise InputError("lyapunov_of_flow", [f"every = {every!r} makes {duration / every:.3g} parts of duration; allowed are {_MOST:.0e}"])
-    flow, why = compiled_flow(f, n, jacobian is not None)
+    flow, why = compiled_flow(f, len(x), jacobian is not None)
     if flow is not None:
         try:
             exponents = _of_stretches(flow, x, 0, "", duration=duration, settle=settle, every=every, rtol=_ENGINE)
@@ -286,18 +281,30 @@ def lyapunov_of_flow(
             if not np.isnan(exponents.spectrum).any():
                 return exponents
             why = "it touches the zero of a condition"
+    slope, count = jacobian or (lambda x: of_state(f, x)[1]), max(int(duration / every), 1)
+    parts = _plain_stretches(f, slope, x0, count=count, settle=settle, every=every, rtol=rtol)
+    logs, done, ending = _collected(parts, (count, len(x)))
+    return replace(_noted(logs, done, every, "unit of time", ending), method=_by_scipy(why))
+
+
+def _plain_stretches(
+    f: Callable[..., Any], slope: Callable[..., Any], x0: ArrayLike, *, count: int, settle: float, every: float, rtol: float
+) -> Iterator[Array]:
+    """Logarithms of the growth in stretches of a flow that SciPy's integrator follows with a frame: arrays (1, n), `count` in all."""
+    x = np.atleast_1d(floats(x0))
+    n, Q = len(x), np.eye(len(x))
+
+    def rates(t: float, y: Array) -> Array:
+        return np.concatenate([coordinates_of_map(f, y[:n]), (np.asarray(slope(y[:n]), float) @ y[n:].reshape(n, n)).ravel()])
+
     if settle > 0:
         x = _followed(lambda t, y: coordinates_of_map(f, y), x, settle, rtol, 0.0, x0)
-    Q, logs, done = np.eye(n), np.empty((max(int(duration / every), 1), n)), 0
-    with partial_result() as ending:
-        while done < len(logs):
-            look()
-            end = _followed(rates, np.concatenate([x, Q.ravel()]), every, rtol, max(settle, 0.0) + done * every, x0)
-            x = end[:n]
-            Q, R = np.linalg.qr(end[n:].reshape(n, n))
-            logs[done] = np.log(abs(np.diag(R)))
-            done += 1
-    return replace(_noted(logs, done, every, "unit of time", ending), method=_by_scipy(why))
+    for done in range(count):
+        look()
+        end = _followed(rates, np.concatenate([x, Q.ravel()]), every, rtol, max(settle, 0.0) + done * every, x0)
+        x = end[:n]
+        Q, log = grown(end[n:].reshape(n, n), np.eye(n))
+        yield log[None]
 
 
 def _by_scipy(why: str) -> str:

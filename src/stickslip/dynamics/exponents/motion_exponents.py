@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import partial, singledispatch
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +17,8 @@ from stickslip.basics.executors import HERE, Workers
 from stickslip.basics.fields import checked_number
 from stickslip.basics.interruption import interruptible, look, partial_result
 from stickslip.basics.quantities import between
-from stickslip.dynamics.derivatives.tangents import Changes, Directions, changes_along, not_followed
+from stickslip.dynamics.derivatives.growth import growth_in_stretches
+from stickslip.dynamics.derivatives.tangents import not_followed
 from stickslip.dynamics.exponents.between_returns import ALIGN, CHUNK, LEAST, between_returns
 from stickslip.dynamics.exponents.general_exponents import Lyapunov, error_of_mean
 from stickslip.dynamics.exponents.growing_frames import grown, stretches_of
@@ -27,8 +28,7 @@ from stickslip.dynamics.periodic.kinds_of_orbits import resting
 from stickslip.dynamics.stroboscopic.chosen_sections import on_section
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, Tell, over_chunks
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.strobe_maps import FlowCoordinates, coordinates, flight, refuse_chance, strobe_map, strobe_states
-from stickslip.engine.tangent import tangent_and_volume
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, flight, refuse_chance, strobe_map, strobe_states
 from stickslip.models.model_adapter import adapter_of
 from stickslip.solvers.plain.composed_flows import mode_of_strobe_state
 from stickslip.studies.progress import Watch
@@ -108,14 +108,13 @@ def exponents_along(
     """The exponents of `lyapunov`, and whether they are averages over fewer periods, as it was interrupted."""
     if at.section is not None:
         return between_returns(model, periods, settle, start, rtol, progress, at)
-    return _over_periods(at, model, periods, settle, start, rtol, progress)
+    if at.in_lanes:
+        return _over_periods(model, periods, settle, start, rtol, progress)
+    return _of_stretches(model, periods, settle, start), False
 
 
-@singledispatch
-def _over_periods(
-    at: Coordinates, model: Model, periods: int, settle: int, start: Any, rtol: float, progress: Report | None
-) -> tuple[Lyapunov, bool]:
-    """The same of a model with a period."""
+def _over_periods(model: Model, periods: int, settle: int, start: Any, rtol: float, progress: Report | None) -> tuple[Lyapunov, bool]:
+    """The same of a machine with a period."""
     state = state_after(model, start, settle, rtol)
     run = flight(model, state[0], ALIGN, rtol)  # its growth is left out: the frame turns into place
     state, Q, logs, parts = strobe_states(run)[-1:], _growth(run, np.eye(coordinates(model).smooth))[1], [], 0
@@ -136,12 +135,11 @@ def _over_periods(
     return replace(exponents, note="; ".join(filter(None, notes))), ending.interrupted
 
 
-@_over_periods.register(FlowCoordinates)
-def _(at: FlowCoordinates, flow: Any, periods: int, settle: int, start: Any, rtol: float, progress: Report | None) -> tuple[Lyapunov, bool]:
-    """From the derivative that the tangent of a flow gives of each period."""
+def _of_stretches(flow: Any, periods: int, settle: int, start: Any) -> Lyapunov:
+    """The same of a flow with a period, from the derivative that its tangent gives of each."""
     state, T = state_after(flow, start, settle, 1e-12)[0], float(flow.period)
     mode = mode_of_strobe_state(flow, state)
-    return summary(np.concatenate(list(stretches_of(flow, state[:-1], mode, count=periods, settle=ALIGN, every=T, rtol=1e-12)))), False
+    return summary(np.concatenate(list(stretches_of(flow, state[:-1], mode, count=periods, settle=ALIGN, every=T, rtol=1e-12))))
 
 
 def state_after(model: Model, start: Any, settle: int, rtol: float, at: Coordinates | None = None) -> Array:
@@ -168,22 +166,12 @@ def _growth(run: Trajectory, Q: Array) -> tuple[Array, Array]:
 
     As many of the last directions as contacts rest at one instant end there. What is lost below rounding has what the volume leaves over.
     """
-    changes, d = _periods_of(run), len(Q)
-    matrices = changes.change.reshape(run.periods, d, d).transpose(0, 2, 1)
-    volumes, rests, logs = changes.volume[::d], _most_at_rest(run), np.empty((run.periods, d))
-    for k, M in enumerate(matrices):
+    growth = growth_in_stretches(coordinates(run.model), run.model, strobe_states(run)[: run.periods], run.rtol)
+    rests, logs = _most_at_rest(run), np.empty((run.periods, len(Q)))
+    for k, M in enumerate(growth.matrices):
         Q, own = grown(M, Q)
-        logs[k] = with_lost(own, volumes[k], rests[k])
+        logs[k] = with_lost(own, growth.volumes[k], rests[k])
     return logs, Q
-
-
-def _periods_of(run: Trajectory) -> Changes:
-    """All changes of the state in each period of a run: a row for each direction, in scales."""
-    at, begins = coordinates(run.model), strobe_states(run)[: run.periods]
-    scales = at.scales[: at.smooth]
-    starts = np.tile(np.diag(scales), (run.periods, 1))
-    changes = changes_along(run.model, np.repeat(begins, at.smooth, axis=0), starts, how=Directions(rtol=run.rtol, made=tangent_and_volume))
-    return replace(changes, change=changes.change / scales)
 
 
 def _most_at_rest(run: Trajectory) -> Array:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import singledispatch
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,7 @@ import numpy as np
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.status import Status
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, Ends, FlowCoordinates, ends_of_flow, map_method, spread_over
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, Ends, ends_of_flow, map_method, spread_over
 from stickslip.models.flow_contacts import modes_passed
 from stickslip.models.friction.law_adapter import SWITCHES
 from stickslip.models.machine_adapter import machine_of
@@ -70,8 +69,17 @@ class ReturnSection:
         return rest if self.begun is None else np.tile(self.begun, (len(rest), 1))
 
     def map_of(self, model: Model, rtol: float, at: Coordinates) -> Callable[[Array, int], Ends]:
-        """The return map of a model, for `strobe_map`."""
-        return _returns(at, model, rtol)
+        """The return map of a model, for `strobe_map`: a function of states, one for each case of the model, and of returns."""
+        if not at.in_lanes:
+            return lambda states, returns: _returned_by_flow(model, states, returns * self.turns, at)
+        table: Any = None
+
+        def mapped(states: Array, returns: int) -> Ends:
+            nonlocal table
+            ends, table = _returned(spread_over(model, len(states)), states, returns * self.turns, rtol, at, table)
+            return ends
+
+        return mapped
 
     def of(self, cases: Any) -> ReturnSection:
         """The section of some cases of a batch."""
@@ -91,24 +99,6 @@ class ReturnSection:
         values = np.unique(self.value)
         where = f"{values[0]:.6g}" if len(values) == 1 else f"values from {values[0]:.6g} to {values[-1]:.6g}"
         return f"{self.name} {'rises' if self.direction > 0 else 'falls'} through {where}"
-
-
-@singledispatch
-def _returns(at: Coordinates, model: Model, rtol: float) -> Callable[[Array, int], Ends]:
-    """The return map of a model as a function of states, one for each case of the model, and of returns."""
-    table: Any = None
-
-    def mapped(states: Array, returns: int) -> Ends:
-        nonlocal table
-        ends, table = _returned(spread_over(model, len(states)), states, returns * at.section.turns, rtol, at, table)
-        return ends
-
-    return mapped
-
-
-@_returns.register(FlowCoordinates)
-def _(at: FlowCoordinates, flow: Any, rtol: float) -> Callable[[Array, int], Ends]:
-    return lambda states, returns: _returned_by_flow(flow, states, returns * at.section.turns, at)
 
 
 def _returned(model: Model, states: Array, returns: int, rtol: float, at: Coordinates, table: Any) -> tuple[Ends, Any]:
