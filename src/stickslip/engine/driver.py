@@ -89,8 +89,9 @@ _TAKES = {"follow": "int64(f1, int64, i1, f2, i1, f2)"}  # what takes otherwise 
 @lru_cache
 def load(name: str = "advance") -> Any:
     """The compiled driver, `advance`; for more cases than lanes `advance_pooled`; for a held one `advance_to`, or leg by leg `follow`."""
-    texts = ("columns", "flags", "turning", "noting_segments", "watching", "driving_lanes", *_BEHIND[name])
-    made = source({name: _TAKES.get(name, "int64(f1, int64, int64, i1)")}, _shared_constants(), texts, short_loops=True)
+    texts = ("columns", "flags", "polynomials", "turning", "noting_segments", "watching", "driving_lanes", *_BEHIND[name])
+    constants = [*_shared_constants(), "STRIDE = 1"]
+    made = source({name: _TAKES.get(name, "int64(f1, int64, int64, i1)")}, constants, texts, short_loops=True)
     return cache.load(made, f"driver_{name}", "what all kernels share")[name]
 
 

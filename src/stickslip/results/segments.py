@@ -86,9 +86,17 @@ def _before(a: Array, count: Array) -> Array:
     return rolled
 
 
+def _added_up(rows: Array, kind: type) -> Array:
+    """Sums of the rows up to each one: row by row, because NumPy's own goes down each short column by itself."""
+    total: Array = rows.astype(kind)
+    for k in range(1, len(total)):
+        total[k] += total[k - 1]
+    return total
+
+
 def _runs(starts: Array) -> Array:
     """Number (from 1) of the run that each entry belongs to; what precedes the first start belongs to the last run."""
-    number = np.cumsum(starts, axis=0)
+    number = _added_up(starts, np.int64)
     return np.where(number == 0, np.maximum(number[-1], 1), number)
 
 
@@ -119,7 +127,7 @@ def _merged(time: Array, label: Array, valid: Array) -> tuple[Array, Array, Arra
     start, sign = np.zeros_like(time), np.full(time.shape, _NONE, np.int8)
     rows, cols = np.nonzero(begins)
     position = number[rows, cols] - 1
-    start[position, cols] = (np.cumsum(time, axis=0) - time)[rows, cols]
+    start[position, cols] = (_added_up(time, np.float64) - time)[rows, cols]
     sign[position, cols] = label[rows, cols]
     return start, np.where(np.arange(K)[:, None] < begins.sum(axis=0), length, 0.0), sign
 

@@ -42,23 +42,26 @@ class RawResults:
 #: Numbers of the cases themselves.
 OF_CASES = tuple(f.name for f in fields(RawResults) if f.default is MISSING and f.name != "parts")
 
-#: Places for segments, of all cases, up to which columns are computed when they are read: until then a summary holds all raw results.
-_LATER = 1 << 18
+#: Places for segments, of all cases, and chunks up to which columns are computed when they are read: until then a summary
+#: holds all raw results.
+_LATER, _FEW = 1 << 20, 16
 
 
-def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], RawResults]]) -> Summary:
-    """A summary from raw results that arrive chunk by chunk, in any order."""
+def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], RawResults]], chunks: int | None = None) -> Summary:
+    """A summary from raw results that arrive in so many chunks, or case by case, in any order."""
     cases = todo.cases
+    few = (cases if chunks is None else chunks) <= _FEW
     T, tolerance, shape = todo.span, mean_tolerance(method, todo.rtol), todo.labels.shape
     columns: dict[str, Any] = {}
     coded: dict[str, dict[int, CodedWords]] = {}
     failures: dict[int, str] = {}
+    later: dict[int, Columns] = {}
     for (first, last), raw in parts:
         failures |= {first + case: sentence for case, sentence in (raw.failures or {}).items()}
         made = _Cases(todo, raw, T[first:last], slice(first, last), tolerance).columns
-        if (first, last) == (0, cases):
-            later = Columns({name: partial(_shaped, make, shape) for name, make in made.items()})
-            return _summary(todo, method, later if raw.parts.seg_time.size <= _LATER else dict(later), failures)
+        if few and raw.parts.seg_time[:1].size * cases <= _LATER:
+            later[first] = Columns(made)
+            continue
         for name, make in made.items():
             values = make()
             if isinstance(values, CodedWords):
@@ -69,15 +72,20 @@ def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], Ra
             elif values.itemsize > columns[name].itemsize:  # longer words
                 columns[name] = columns[name].astype(values.dtype)
             columns[name][first:last] = values
+    if later:
+        whole = [later[first] for first in sorted(later)]
+        return _summary(todo, method, Columns({name: partial(_joined, whole, name, shape) for name in whole[0]}), failures)
     for name, by_case in coded.items():
         begins, *others = (by_case[case] for case in sorted(by_case))
         columns[name] = begins.joined(others)
-    return _summary(todo, method, {name: values.reshape((*shape, *values.shape[1:])) for name, values in columns.items()}, failures)
+    return _summary(todo, method, {name: columns[name].reshape((*shape, *columns[name].shape[1:])) for name in made}, failures)
 
 
-def _shaped(make: Callable[[], Any], shape: tuple[int, ...]) -> Any:
-    values = make()
-    return values.reshape((*shape, *values.shape[1:]))
+def _joined(chunks: list[Columns], name: str, shape: tuple[int, ...]) -> Any:
+    """A column of all cases."""
+    begins, *others = values = [each[name] for each in chunks]
+    whole = begins if not others else begins.joined(others) if isinstance(begins, CodedWords) else np.concatenate(values)
+    return whole.reshape((*shape, *whole.shape[1:]))
 
 
 def _summary(todo: Request, method: str, columns: Mapping[str, Any], failures: dict[int, str]) -> Summary:

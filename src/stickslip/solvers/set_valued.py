@@ -68,7 +68,7 @@ def raw_batch(todo: Request) -> dict[str, Array]:
 def summary_of(todo: Request, raw: dict[str, Any]) -> Summary:
     """A summary from raw results."""
     parts = parts_of_one(raw, spread_over_cases(rest_velocity(todo.model), todo.labels), todo.span)
-    return gather(todo, "exact", [((0, todo.cases), RawResults(**{name: raw[name] for name in OF_CASES}, parts=parts))])
+    return gather(todo, "exact", [((0, todo.cases), RawResults(**{name: raw[name] for name in OF_CASES}, parts=parts))], 1)
 
 
 def _kernel() -> Any:

@@ -42,7 +42,7 @@ def run(todo: Request, tableau: lanes.AnySteps, rtol: float) -> Trajectory | Sum
     if todo.watched is not None:
         return gather(todo, method, _parts_watched(todo, kernel, _job(todo, rtol, KEPT // lanes.bytes_of_piece(kernel)), method))
     if todo.keep == "summary":
-        return gather(todo, method, _parts(todo, kernel, _job(todo, rtol)))
+        return gather(todo, method, _parts(todo, kernel, _job(todo, rtol)), len(_bounds(todo.cases, todo.workers)))
     job = _job(todo, rtol, KEPT // lanes.bytes_of_piece(kernel))
     table = CaseTable(todo.model, kernel, todo.start, todo.span, machine=todo.machine, own=todo.numbers_of())
     results = lanes.run(
@@ -68,7 +68,7 @@ def run_of_two(todo: Request, first: Any, one: tuple[lanes.AnySteps, float], oth
     kernel, rest = (lanes.kernel_of(todo.model, steps, False, todo.observe) for steps, _ in (one, other))
     job, of_rest = (_job(todo, rtol) for _, rtol in (one, other))
     method = f"{_method(one[0])}, {_method(other[0])}"
-    return gather(todo, method, _parts(todo, kernel, job, (first, rest, of_rest)))
+    return gather(todo, method, _parts(todo, kernel, job, (first, rest, of_rest)), len(_bounds(todo.cases, todo.workers)))
 
 
 def _stopped(
@@ -111,7 +111,7 @@ def run_to_end(todo: Request, tableau: lanes.AnySteps, rtol: float) -> tuple[Sum
     kernel = lanes.kernel_of(todo.model, tableau, record=False)
     table = CaseTable(todo.model, kernel, todo.start, todo.span)
     results = lanes.run(kernel, table.rows, table.start, _job(todo, rtol))
-    summary = gather(todo, _method(tableau), [((0, todo.cases), _raw(todo, results, kernel, table))])
+    summary = gather(todo, _method(tableau), [((0, todo.cases), _raw(todo, results, kernel, table))], 1)
     _, v, z = table.ends(results)
     return summary, results.end[:, 0], v[:, 0], z, results.memory
 

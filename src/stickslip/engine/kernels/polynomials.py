@@ -38,10 +38,18 @@ def curvature_at(C, at, degree, x):
 
 @typed(float64(f1, int64, int64, float64, float64))
 def zero_between(C, at, degree, lo, hi):
-    """The zero between lo (not below zero) and hi (below zero): Newton's method, held in the bracket."""
-    x = 0.5 * (lo + hi)
+    """The zero between lo (not below zero) and hi (below zero), to the last digit."""
+    return zero_from(C, at, degree, lo, hi, 0.5 * (lo + hi), 1e-16)
+
+
+@typed(float64(f1, int64, int64, float64, float64, float64, float64))
+def zero_from(C, at, degree, lo, hi, x, enough):
+    """The same by Newton's method from x on, held in the bracket, until a step is `enough` of x, whose square is what is missing."""
     for _ in range(NEWTON):
-        value, rate = value_at(C, at, degree, x), slope_at(C, at, degree, x)
+        value, rate = C[at + degree * STRIDE], degree * C[at + degree * STRIDE]
+        for m in range(degree - 1, 0, -1):
+            value, rate = fma(value, x, C[at + m * STRIDE]), fma(rate, x, m * C[at + m * STRIDE])
+        value = fma(value, x, C[at])
         if value > 0.0:
             lo = x
         else:
@@ -49,7 +57,7 @@ def zero_between(C, at, degree, lo, hi):
         new = x - value / rate if rate != 0.0 else lo
         if not (new >= lo and new <= hi):
             new = 0.5 * (lo + hi)
-        if abs(new - x) <= 1e-16 * x or new == x:
+        if abs(new - x) <= enough * x or new == x:
             return new
         x = new
     return x

@@ -24,43 +24,29 @@ def begin_record(lane, S, W, D):
     K[lane, LASTED] = 0.0
 
 
-@typed(float64(int64, float64, float64, f1, i1))
-def slip(lane, theta, slip_ratio, S, D):
-    """By how much |v| times the slip ratio 1 - (dz/dt)/v of one inner state is above its limit within a step, on the step's polynomials."""
-    L, degree, first = D[LANES], D[DEGREE], D[F_K] + lane
-    v, rise = S[first + degree * L], 0.0
-    for m in range(degree - 1, -1, -1):
-        v = fma(v, theta, S[first + m * L])
-    for m in range(degree, 0, -1):
-        rise = fma(rise, theta, m * S[first + (degree + 1 + m) * L])
-    return (1.0 - slip_ratio) * abs(v) - math.copysign(rise, rise * v) / S[D[F_HH] + lane]
-
-
 @typed(float64(int64, float64, f1, i1))
 def turned(lane, slip_ratio, S, D):
-    """The part of a step after which slip begins or ends, where its polynomials are as good as its ends; -1 where it does not."""
-    slips = S[D[F_RATIO] + lane] >= slip_ratio
-    low, high, above = 0.0, 1.0, slip(lane, 1.0, slip_ratio, S, D)
-    if (above >= 0.0) == slips:
+    """The part of a step after which slip begins or ends, where its polynomials are as good as its ends; -1 where it does not.
+
+    There |v| times the slip ratio 1 - (dz/dt)/v of one inner state passes its limit; v has one sign in a step.
+    """
+    L, degree, first, slips = D[LANES], D[DEGREE], D[F_K] + lane, S[D[F_RATIO] + lane] >= slip_ratio
+    C, part, end, v = np.empty(degree + 1), (1.0 - slip_ratio) * S[D[F_HH] + lane], 0.0, S[first]
+    for m in range(degree + 1):
+        C[m] = part * S[first + m * L]
+        if m < degree:
+            C[m] -= (m + 1) * S[first + (degree + 2 + m) * L]
+        if m > 0:
+            v += S[first + m * L]
+    side = 1.0 if (v + S[first] > 0.0) == slips else -1.0
+    for m in range(degree + 1):
+        C[m] *= side
+        end += C[m]
+    if end > 0.0 or (end == 0.0 and slips):
         return -1.0
-    below, kept = slip(lane, 0.0, slip_ratio, S, D), 0
-    if (below >= 0.0) != slips:
+    if C[0] < 0.0:
         return 0.0
-    near = 1e-9 * (abs(below) + abs(above))
-    for _ in range(60):  # false position; an end that stays for two rounds counts half (Illinois rule)
-        part = low + (high - low) * (below / (below - above))
-        if not (part > low and part < high):
-            part = 0.5 * (low + high)
-        value = slip(lane, part, slip_ratio, S, D)
-        if (value >= 0.0) == slips:
-            low, below = part, value
-            above, kept = 0.5 * above if kept == 1 else above, 1
-        else:
-            high, above = part, value
-            below, kept = 0.5 * below if kept == -1 else below, -1
-        if abs(value) <= near or high - low < 1e-15:
-            return part
-    return high
+    return zero_from(C, 0, degree, 0.0, 1.0, C[0] / (C[0] - end), 1e-6)
 
 
 @typed(void(int64, float64, float64, int64, i1))
