@@ -85,7 +85,7 @@ class Series:
 def second(eq, known, roots):
     """The coefficients of the solution that begins as `known` says, and of some expressions along it."""
     y = {state.name: [mp.mpf(known[state.name])] for state in eq.y}
-    order = taylor.order_of(eq)
+    order = lanes.step_of(eq, None, True).degree
     for m in range(order):
         series = Series(known | y | {"t": [mp.mpf(known["t"]), mp.mpf(1)]}, m + 1)
         for state, rate in zip(eq.y, eq.f, strict=True):
@@ -110,12 +110,12 @@ def begun(eq, row, rng):
 
 def stepped(eq, known, period):
     """The lines of the step, done by Python."""
-    step = taylor.write_step(eq)
+    step = lanes.step_of(eq, None, True)
     numbers = values_of(eq.graph, known, step.case_nodes)
     given = {f"c{j}": numbers[node.number] for j, node in enumerate(step.case_nodes)}
     given |= {name: known[name] for name in ("t", *(s.name for s in eq.modes), *(f"clk{k}" for k in range(len(eq.clocks))))}
     given |= {f"b{k}": known[f"b{k}"] for k in range(eq.signs)} | {f"y{i}": known[s.name] for i, s in enumerate(eq.y)} | {"tend": period}
-    given |= {field[:-2]: np.zeros(taylor.order_of(eq) + 1) for field in step.fields if field[-2:] == "_0"}
+    given |= {field[:-2]: np.zeros(step.degree + 1) for field in step.fields if field[-2:] == "_0"}
     return plain(step.lines, given)
 
 
@@ -130,7 +130,7 @@ def compared(robot, rng):
         right, beside = (second(eq, given, roots) for given in (known, near))
     names = [*(f"_k{i}" for i in range(eq.states)), *(f"_g{p}" for p in range(len(watched)))]
     flags = [*(1.0 for _ in eq.y), *(known[f"b{k}"] if k < eq.signs else 1.0 for k in watched)]
-    powers, worst = float(done["_hh"]) ** np.arange(taylor.order_of(eq) + 1), 0.0
+    powers, worst = float(done["_hh"]) ** np.arange(len(done["_k0"])), 0.0
     for name, root, flag, *both in zip(names, roots, flags, right, beside, strict=True):
         if name[:2] == "_g" and out_of_reach(eq, watched[int(name[2:])], known):  # a number, and not above what it may be
             assert done[name][0] == pytest.approx(values_of(eq.graph, known, [root])[root.number]) and not done[name][1:].any()
@@ -189,7 +189,7 @@ def test_coefficients_of_machines_with_places_are_those_of_a_second_method():
 def test_places_cost_a_product_of_series_for_each_that_cannot_be_spared():
     """Of a cart with a pendulum: sine and cosine times u, and cos times the cart's acceleration; and nothing is held against slopes."""
     eq = trace.trace(POLE)
-    sums = {line.split()[0] for line in taylor.write_step(eq).lines if line.strip()[:2] in ("_s", "_a") and "+ j]" in line}
+    sums = {line.split()[0] for line in lanes.step_of(eq, None, True).lines if line.strip()[:2] in ("_s", "_a") and "+ j]" in line}
     assert len({name.removesuffix("o") for name in sums}) == 3 and not hides(eq)
 
 
@@ -208,7 +208,7 @@ def test_a_select_on_what_is_not_held_is_refused():
     eq = trace.trace(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb"))
     (v,) = eq.y
     with pytest.raises(TraceError, match="not held"):
-        taylor.write_step(replace(eq, f=(eq.graph.select(v, v, -v),)))
+        lanes.step_of(replace(eq, f=(eq.graph.select(v, v, -v),)), None, True)
 
 
 # ---- several contacts ----

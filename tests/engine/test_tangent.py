@@ -22,7 +22,7 @@ from stickslip.dynamics.derivatives.slopes import number_slopes, start_changes
 from stickslip.dynamics.derivatives.tangents import Directions, changes_along, jacobian_of
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, flow_map, state_at_rest, strobe_map
-from stickslip.engine import taylor
+from stickslip.engine import lanes
 from stickslip.engine.tangent import tangent
 from stickslip.engine.trace import numbers_of, trace
 from stickslip.maths import sin
@@ -114,7 +114,7 @@ def test_changes_by_the_start_and_by_every_number_are_those_of_exact_runs(name):
 def test_the_step_of_every_tangent_can_be_written(name):
     """Also along every number; nothing is compiled. (A multiple of a sum had no rule.)"""
     machine = (MACHINES | MORE)[name]
-    assert taylor.write_step(tangent(trace(machine), wrt=tuple(directions_of(machine)[1]))).lines
+    assert lanes.step_of(tangent(trace(machine), wrt=tuple(directions_of(machine)[1])), None, True).lines
 
 
 def test_the_motion_itself_is_the_same_to_the_last_bit():

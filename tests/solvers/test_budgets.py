@@ -11,11 +11,12 @@ import pytest
 
 import stickslip as ss
 from pairs import each_once
+from problems import chain
 from rows import each_row
 from stickslip.basics.status import STATUS, Status
 from stickslip.maths import maximum, minimum, where
 from stickslip.solvers import stepping
-from stickslip.solvers.stopped import location
+from stickslip.solvers.stopped import Changes, location
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,12 +201,19 @@ def test_the_judge_has_a_budget_of_steps_too(monkeypatch):
     assert found.status == Status.BUDGET and found.notes == [found.failures[()]]
 
 
-def test_the_contact_that_switches_most_is_named():
+def test_the_contact_that_switches_most_is_named(monkeypatch):
     from stickslip.models.machine_adapter import machine_of
 
     mechanics = machine_of(ServoJoint(ss.Coulomb(0.1, 0.1), ss.Coulomb(0.1, 0.1))).mechanics
-    told = location(mechanics, 0.5, [0.1, 0.2], np.array([[1, 0], [1, -1], [1, 0], [0, -1]]))
+    told = location(mechanics, 0.5, [0.1, 0.2], Changes.of(np.array([[1, 0], [1, -1], [1, 0], [0, -1]])))
     assert told == "at t = 0.5 s, where contact 'load' has changed its mode 3 times in 4 steps and its slip velocity is 0.2 m/s"
+    # alone and in a batch, of what has used up its budget while modes changed all the time
+    monkeypatch.setattr(stepping, "BUDGET", 5)
+    pair, words = chain(0.0, 0.3), STATUS[Status.CHATTERS]
+    with pytest.raises(ss.SolveError, match=re.escape(words)) as alone:
+        ss.solve(pair, periods=300)
+    both = ss.solve(pair.replace({"phases.1": np.array([0.3, 0.3])}), periods=300)
+    assert both.status_counts == {words: 2} and both.failures[(1,)] == str(alone.value) and "times in 1000 steps" in both.failures[(0,)]
 
 
 @pytest.mark.parametrize("quadratic", [0.0, 2.0])

@@ -6,8 +6,8 @@
   count only as differences, whether arcs are closed and what a series needs is asked of the graph.
 - Transforms make a new system of one: `tangent` (derivatives along directions of starts and numbers, with their jumps at
   switches), volumes, observables, `transforms` (the mirror image, another drive phase).
-- Methods: closed arcs (`closed_arc_conditions`), Taylor series (`rows`, `linear_systems`, `slaved`, `slaved_pieces`, `slaving`,
-  `unforeseen`), Rosenbrock steps (`tableaux`), fixed steps.
+- Methods: closed arcs (`closed_arc_conditions`), Taylor series (`rows`, `taylor`, `long_series`, `linear_systems`, `slaved`,
+  `slaved_pieces`, `slaving`, `unforeseen`), Rosenbrock steps (`tableaux`), fixed steps.
 - Rows of many bodies (`force_tables`, `local_events`): forces that differ in numbers alone are rows of a table, and a kernel that knows
   clusters of moving bodies goes from event to event. Their text does not grow with the number of bodies.
 - A kernel's file has what depends on the law; `driver` and `kernels/` are the same for all laws and call the law's functions at

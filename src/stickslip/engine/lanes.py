@@ -16,7 +16,7 @@ from typing import Any, TypeAlias
 from stickslip.basics.contracts import Model
 from stickslip.basics.interruption import is_stopped, look
 from stickslip.basics.status import Status
-from stickslip.engine import cache, driver, several_series, slaved_pieces, taylor
+from stickslip.engine import cache, driver, long_series, several_series, slaved_pieces, taylor
 from stickslip.engine.kernel_text import FUNCTIONS, KernelSource
 from stickslip.engine.kernels import columns
 from stickslip.engine.kinds import known_kind
@@ -127,6 +127,7 @@ class Results:
     ended: Any  # how far into its period a case ended before its time [s], NaN of others; None where none did
     parts: Parts | None = None  # of a machine that lists its bodies
     pieces: Any = None  # (pieces, 4 + contacts + modes + states (degree + 1)) of a recorded case
+    changed: Any = None  # (cases, 1 + contacts) of set-valued laws: changes of modes in the last steps, if they used up the budget
     strobes: Any = None  # (KEPT, 1 + states + …) of the last case of a kernel of one lane, where asked for: period n stands at n % KEPT
 
 
@@ -195,7 +196,7 @@ def kernel(eq: System, tableau: AnySteps, label: str, record: bool) -> Kernel:
 def step_of(eq: System, method: AnySteps, record: bool) -> Step:
     """The written step of a method."""
     if method is None:
-        return taylor.write_step(eq)
+        return (long_series if eq.graph.linear else taylor).write_step(eq)
     if isinstance(method, SeveralSeries):
         return several_series.write_step(eq, method, record)
     return slaved_pieces.write_step(eq, method, record) if isinstance(method, Series) else write_step(eq, method, record)
@@ -377,6 +378,7 @@ def _shapes(k: Kernel, cases: int, at_work: int, parts: int, signals: int, place
         "START": (cases, 1 + n + k.modes),
         "OUT": (cases, 9 + n + k.modes + places - 1),
         "COUNT": (cases, 5 + parts),
+        "CHANGED": (cases if k.table[driver.column("SERIES")] else 0, 1 + k.contacts),
         "NOTED": (cases if signals else 0, signals + len(k.bodies), 3),
         "SEGT": (cases, parts * columns.SEGS),
         "SEGC": (cases, parts * columns.SEGS),
@@ -442,6 +444,7 @@ def _results(k: Kernel, shared: Shared, written: list[Any] | None) -> Results:
         count[:, 0], count[:, 1], count[:, 2], count[:, 5:], shared["SEGT"], shared["SEGC"], count[:, 3], count[:, 4],
         out[:, 6 + k.states : last], limit, out[:, last + 1], out[:, last + 2], ended,
         several, None if written is None else written[0] if len(written) == 1 else np.concatenate(written),
+        shared["CHANGED"] if len(shared["CHANGED"]) else None,
     )  # fmt: skip
 
 

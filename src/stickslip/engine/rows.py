@@ -44,12 +44,14 @@ class RowWriter:
     """The same in two parts: values at the start of the step, which are written at once, and the coefficients, where `write` is called.
 
     `known` are expressions that have their rows already; where these last, new ones are `called` otherwise. Written `out`, the loop is one
-    round after another, and its rows need no memory.
+    round after another, and its rows need no memory. Of what is wanted `later` the terms have rows, and of `multiples` those of which they
+    are multiples (`multiple`), if there are such.
     """
 
     def __init__(
         self, y: Sequence[Sym], f: Sequence[Sym], wanted: Iterable[Sym], w: Writer, start: dict[str, str], order: int,
         known: dict[int, str] | None = None, out: bool = False, called: str = "_r",
+        multiples: Sequence[Sym] = (), later: Sequence[Sym] = (),
     ):  # fmt: skip
         self.graph, self.w, self.start, self.order, self.out = y[0].graph, w, start, order, out
         self._states = {state.number: i for i, state in enumerate(y)}
@@ -69,11 +71,16 @@ class RowWriter:
         self._order: list[Sym] = []  # terms, arguments before what is made of them
         self._waiting: list[Sym] = []  # terms of which earlier coefficients are asked for
         kept = [node for node in (*y, *wanted) if self._varies(node)]
-        self._users = self._counted([*kept, *f])
-        self._wanted = {node.number for node in kept}
+        self._users = self._counted([*kept, *f, *multiples, *later])
+        self._wanted = {node.number for node in (*kept, *multiples)}
+        kept += [node for node in multiples if self._varies(node) and not self._is_multiple(node)]
         for node in kept:
             self.rows.setdefault(node.number, f"{self._called}{len(self.rows)}")
-        texts = [self._linear(self._form(node)) for node in (*kept, *f)]
+        texts = [self._linear(self._form(node)) for node in kept]
+        for term in (*(self._form(node).terms[0][0] for node in multiples if self._is_multiple(node)), *self._terms_within(later)):
+            self._row(term)
+            self._coefficient(term)
+        texts += [self._linear(self._form(node)) for node in f]
         while self._waiting:
             self._coefficient(self._waiting.pop())
         self._kept = {node.number: text for node, text in zip(kept, texts, strict=False)}
@@ -167,6 +174,28 @@ class RowWriter:
         form = self._form(node)
         return form.terms[0] if form.pure and len(form.terms) == 1 else (node, self.graph.constant(1.0))
 
+    def _is_multiple(self, node: Sym) -> bool:
+        """Whether an expression's coefficients are multiples of those of a term that is another one."""
+        terms = self._form(node).terms
+        return len(terms) == 1 and terms[0][0] is not node
+
+    def multiple(self, node: Sym) -> tuple[str, Sym]:
+        """The row of which an expression's coefficients are multiples, and the factor; of what does not vary there is none."""
+        if node.number in self.rows or not self._varies(node):
+            return self.rows.get(node.number, ""), self.graph.constant(1.0)
+        term, factor = self._of_term(node)
+        return self.rows[term.number], factor
+
+    def _terms_within(self, nodes: Sequence[Sym]) -> list[Sym]:
+        """What expressions, and the choices of which they are made, are sums of."""
+        parts, sums = list(nodes), list[Sym]()
+        for node in parts:
+            if node.op == "select" and node.number not in self.graph.linear:
+                parts += node.args[1:]
+            else:
+                sums.append(node)
+        return [term for node in sums for term, _ in self._form(node).terms]
+
     def _total(self, node: Sym) -> Form:
         """A sum or a difference."""
         factors: dict[int, tuple[Sym, Sym]] = {}
@@ -183,6 +212,9 @@ class RowWriter:
         if self._varies(held):
             raise TraceError("a select on what is not held stands in an equation of motion")
         (a, b) = (self._form(each) for each in (yes, no))
+        if self._in_halves and len(a.terms) + len(b.terms) == 1:  # one of them does not vary
+            zero, ((term, factor),) = self.graph.constant(0.0), (*a.terms, *b.terms)
+            return Form(((term, self.graph.select(held, *((factor, zero) if a.terms else (zero, factor)))),), pure=False)
         if len(a.terms) != 1 or len(b.terms) != 1 or a.terms[0][0] is not b.terms[0][0]:
             return None
         return Form(((a.terms[0][0], self.graph.select(held, a.terms[0][1], b.terms[0][1])),), a.pure and b.pure)
@@ -432,10 +464,12 @@ class RowWriter:
             w.line(f"{row}[2]", ZERO)
         for number, (name, _) in self._ahead.items():
             w.line(f"{self.rows[number]}[1]", f"1.0 * {name}")
+        for name in ("_next", "_ahead") if self._ahead else ():
+            w.line(name, "1.0")
         w.begin(f"for m in {'each' if self.out else 'range'}(1, {self.order + 1})")
-        w.line("_inverse", "1 / m")
+        w.line("_inverse", "1.0 * _ahead" if self._ahead else "1 / m")
         if self._ahead:
-            w.line("_next", "1.0 * (m + 1)")
+            w.line("_next", "_next + 1.0")
             w.line("_ahead", "1.0 / _next")
         self._write_sums()
         for term in self._order:
@@ -474,18 +508,17 @@ class RowWriter:
     def _write_halves(self) -> None:
         """The same from the middle, m // 2, to both ends: there one product or, where m is odd, a pair, and then pairs.
 
-        The coefficients that are known last come last. Rows begin with zeros, so that there is nothing for m = 1.
+        The coefficients that are known last come last. Rows begin with zeros: there is nothing for m = 1, and no pair where m is even.
         """
-        w, middle = self.w, "m >> 1"
+        w, middle, odd = self.w, "m >> 1", "(m - (m >> 1) - (m >> 1))"
         if not self._sums and not self._sums_ahead:
             return
-        w.line("_odd", f"1.0 * (m - ({middle}) - ({middle}))")
         for (first, second), name in self._sums.items():
             w.line(name, ZERO if first == second else f"{first}[{middle}] * {second}[m - ({middle})]")
             if first != second:
-                w.line(f"{name}o", f"_odd * {first}[m - ({middle})] * {second}[{middle}]")
+                w.line(f"{name}o", f"{first}[m - ({middle})] * {second}[{odd} * ({middle})]")
         for (first, second), name in self._sums_ahead.items():  # the outermost two are not among them
-            w.line(name, f"_odd * {first}[({middle}) + 1] * {second}[({middle}) + 1]")
+            w.line(name, f"{first}[({middle}) + 1] * {second}[{odd} * (({middle}) + 1)]")
             w.line(f"{name}o", ZERO)
         w.begin(f"for j in range(1, {middle})")
         for (first, second), name in self._sums.items():
@@ -497,8 +530,10 @@ class RowWriter:
             w.line(f"{name}o", f"fma({first}[m - ({middle}) + j], {second}[({middle}) - j + 1], {name}o)")
         w.end()
         for (first, second), name in self._sums.items():
-            of_square = f"fma((1.0 + _odd) * {first}[{middle}], {first}[m - ({middle})], {name} + {name})"
-            w.line(name, of_square if first == second else f"{name} + {name}o")
+            if first == second:
+                w.line(name, f"fma({first}[{middle}] + {first}[{odd} * ({middle})], {first}[m - ({middle})], {name} + {name})")
+            else:
+                w.line(name, f"{name} + {name}o")
         for (first, second), name in self._sums_ahead.items():
             w.line(name, f"fma({first}[1], {second}[m], {name} + {name}o)")
 

@@ -23,6 +23,7 @@ SHARED = {
     "START": "f2",
     "OUT": "f2",  # its results
     "COUNT": "i2",
+    "CHANGED": "i2",  # of its last steps, if they used up its budget: with how many some mode changed, and that of each contact
     "NOTED": "f3",
     "SEGT": "f2",
     "SEGC": "b2",

@@ -11,35 +11,30 @@ from __future__ import annotations
 from stickslip.basics.status import Status
 from stickslip.engine.coupled import SLIP
 from stickslip.engine.kernel_text import function
-from stickslip.engine.linear_systems import least_of
 from stickslip.engine.rosenbrock_step import Step, ended_by, sides
 from stickslip.engine.roundings import hold_sizes
-from stickslip.engine.rows import RowWriter, write_rows
+from stickslip.engine.rows import write_rows
 from stickslip.engine.steptext import bound, held
 from stickslip.engine.symbols import CASE, Sym
 from stickslip.engine.system import System, TracedContact, TracedSwitch
-from stickslip.engine.unforeseen import FLOOR, LAST, MISFIT, NEAR_POLE, POINTS, ROUNDING_OF_SLOPES, Way, active, hides
+from stickslip.engine.unforeseen import FLOOR, MISFIT, NEAR_POLE, POINTS, ROUNDING_OF_SLOPES, Way, active, hides
 from stickslip.engine.values import needed_by
 from stickslip.engine.write import LOG_OF_BITS, Writer, horner, literal
 
-ORDER, HIGHER = 16, 24  # the second where a matrix of inertia varies: steps cost more than their coefficients there
+ORDER = 16
 LONGEST = 0.25  # of a period
 ROUNDING = 1e-16  # of a state's scale: what a step may leave out
 MOST_CHECKED = 3  # states: of more, each lane is checked for itself
 TOGETHER = 4  # points of a step at which it is checked side by side
 BESIDE = 2e-10  # of its size: how much further than such a guard its border is
-AT_BORDER = "fma(1e-11, {}, 1e-12)"  # of a period, in s: from where on such a border is reached; nearer, coefficients are no numbers
-WIDER = 5.0  # how much larger a coefficient may be than the next one, at the end of a step of order `HIGHER`
 
-
-def order_of(eq: System) -> int:
-    """The order of a system's steps."""
-    return HIGHER if eq.graph.linear else ORDER
+#: The name of a polynomial of a step, the row that it is made of (none if it does not vary), a factor of that, and how it begins.
+Polynomial = tuple[str, str, str, str]
 
 
 def write_step(eq: System) -> Step:
     """The lines of the series: _k of states, _g of guards, _e of exponents, in units of the step; its length _hh; if it is the _last."""
-    return _SeriesWriter(eq).write()
+    return SeriesWriter(eq).write()
 
 
 def watched(eq: System) -> list[int]:
@@ -96,23 +91,24 @@ def slips_of(eq: System, guard: Sym) -> list[TracedContact]:
     return [contact for contact in eq.contacts if contact.slip.number in reached]
 
 
-class _SeriesWriter:
+class SeriesWriter:
+    """The lines of a step, and what a lane holds of it."""
+
+    order = ORDER
+
     def __init__(self, eq: System):
-        self.eq, self.w, self.order = eq, Writer(), order_of(eq)
+        self.eq, self.w = eq, Writer()
         self._held: set[int] = set()  # numbers of the expressions that `_hold` has been given
-        self._at_border: dict[int, str] = {}  # by number of a guard that is such a border, whether it is as good as reached
         self.watched = [(k, eq.guards[k]) for k in watched(eq)]
         self.rising = active(eq, "exp") | active(eq, "tanh")
         self.quotients = active(eq, "reciprocal")
         self.start = bound(eq)
-        self._far = self._out_of_reach()  # by number of a guard that is such a border, what it is at least, whatever angles are
         self.w.count_uses([*eq.active, *eq.guards])
 
     def write(self) -> Step:
         """All lines in order."""
         self.period = self._value(self.eq.period)
-        wanted = [*(guard for k, guard in self.watched if k not in self._far), *(node.args[0] for node in self.rising), *self.quotients]
-        self.rows = write_rows(self.eq.y, self.eq.f, wanted, self.w, self.start, self.order)
+        self._series()
         self.w.line("_ratio", "1.0")
         self._length()
         self._polynomials()
@@ -127,13 +123,10 @@ class _SeriesWriter:
         hold_sizes(self.eq, self.w.case_nodes)
         return Step(tuple(self.w.lines), tuple(self._fields()), tuple(self.w.case_nodes), self.order, series=True)
 
-    def _out_of_reach(self) -> dict[int, Sym]:
-        far = {}
-        for k, guard in self.watched if self.order != ORDER else ():
-            if k in self.eq.switches and self.eq.switches[k].status == Status.PAINLEVE and self.eq.graph.varies(guard):
-                bound = least_of(guard)
-                far |= {} if bound is None else {k: bound}
-        return far
+    def _series(self) -> None:
+        """The coefficients, by time, and the names of their rows by the numbers of the expressions."""
+        wanted = [*(guard for _, guard in self.watched), *(node.args[0] for node in self.rising), *self.quotients]
+        self.rows = write_rows(self.eq.y, self.eq.f, wanted, self.w, self.start, self.order)
 
     def _fields(self) -> list[str]:
         eq, states, orders = self.eq, range(self.eq.states), range(self.order + 1)
@@ -168,53 +161,19 @@ class _SeriesWriter:
         w = self.w
         w.line("_longest", f"{literal(LONGEST)} * {self.period}")
         w.line("_hh", "1.0 * _longest")
-        if self.order != ORDER:
-            self._limit_before()
+        self._limits()
+        w.line("_rem", "_tend - _t")
+        w.line("_last", "1.0 if _rem <= _hh * 1.0000001 else 0.0")
+        w.line("_hh", "_rem if _last > 0.5 else _hh")
+
+    def _limits(self) -> None:
+        """Shorten it by all that has a series."""
         if self.eq.sizes:  # nothing says how long a step is but the states: what a guard may leave out is measured within theirs
             self._limit_by(self._of_states())
             self._limit_by([*self._of_guards("_hh", self.watched), *self._of_quotients()])
         else:
             self._limit_by([*self._of_states(), *self._of_guards("_longest", self.watched), *self._of_quotients()])
-        self._limit_by_borders([pair for pair in self.watched if pair[0] not in self._far])
-        self._borders_in_reach()
-        w.line("_rem", "_tend - _t")
-        w.line("_last", "1.0 if _rem <= _hh * 1.0000001 else 0.0")
-        w.line("_hh", "_rem if _last > 0.5 else _hh")
-
-    def _limit_before(self) -> None:
-        """Shorten it by coefficients before the last two, which are larger in a series that converges: what a gap hides shows there."""
-        w = self.w
-        rows = [(self.rows[y.number], w.line(w.fresh(), text)) for y, text in self._of_states()]
-        w.line("_wider", f"{literal(WIDER ** (LAST - 1))}")
-        w.begin(f"for m in range({self.order + 1 - LAST}, {self.order - 1})")
-        for row, least in rows:
-            self._limit(row, f"_wider * {least}")
-        w.line("_wider", f"{literal(1.0 / WIDER)} * _wider")
-        w.end()
-
-    def _borders_in_reach(self) -> None:
-        """The series of borders which no angle may reach are written, and asked, only where it may; else they are nothing but a number."""
-        w, pairs = self.w, [pair for pair in self.watched if pair[0] in self._far]
-        if not pairs:
-            return
-        for _, guard in pairs:  # asked inside and outside
-            self._value(guard)
-        rows = {guard.number: w.line(f"_z{n}", f"row({self.order + 1})") for n, (_, guard) in enumerate(pairs)}
-        w.begin(f"for m in range(1, {self.order + 1})")
-        for row in rows.values():
-            w.line(f"{row}[m]", "0.0")
-        w.end()
-        w.begin(f"if {' or '.join(f'{self._value(self._far[k])} <= 0.0' for k, _ in pairs)}")
-        written = RowWriter(self.eq.y, [], [guard for _, guard in pairs], w, self.start, self.order, self.rows, called="_b")
-        written.write()
-        w.begin(f"for m in range(1, {self.order + 1})")
-        for number, row in rows.items():
-            w.line(f"{row}[m]", f"1.0 * {written.rows[number]}[m]")
-        w.end()
-        self.rows |= rows
-        self._limit_by(self._of_guards("_longest", pairs))
-        self._limit_by_borders(pairs)
-        w.end()
+        self._limit_by_borders(self.watched)
 
     def _limit_by_borders(self, pairs: list[tuple[int, Sym]]) -> None:
         """Keep it to half of the way to where loads that follow from the motion are infinite: nothing there has a series."""
@@ -225,8 +184,6 @@ class _SeriesWriter:
                 size = horner([f"abs({c})" for c in (value, f"{row}[1]", f"{row}[2]")], "_longest")
                 left, falls = w.line(w.fresh(), f"0.5 * (abs({value}) + {literal(BESIDE)} * ({size}))"), w.line(w.fresh(), f"abs({row}[1])")
                 w.line("_hh", f"_hh if _hh * {falls} < {left} else {left} / {falls}")
-                if self.order != ORDER:
-                    self._at_border[k] = f"{value} < {AT_BORDER.format(self.period)} * -{row}[1]"
 
     def _limit_by(self, tolerated: list[tuple[Sym, str]]) -> None:
         """Shorten the step until the last terms of some series are below their sizes."""
@@ -256,11 +213,16 @@ class _SeriesWriter:
                 sizes.append((guard, f"{literal(ROUNDING)} * ({size} + {self._size_of_slip(guard) or '1e-290'})"))
         return sizes
 
+    @property
+    def _near_pole(self) -> float:
+        """What the last terms of a quotient are at most, in parts of it."""
+        return NEAR_POLE
+
     def _of_quotients(self) -> list[tuple[Sym, str]]:
         """The same of quotients."""
         sizes = []
         for quotient, ways in self.quotients.items():
-            near = literal(NEAR_POLE if self.order == ORDER else 2.0**-self.order)
+            near = literal(self._near_pole)
             sizes.append((quotient, f"{near} * abs({self._value(quotient)}) if {self._counts(ways)} else 1e300"))
         return sizes
 
@@ -280,14 +242,7 @@ class _SeriesWriter:
     def _polynomials(self) -> None:
         """The series in theta = (time since the start) / h: of the states, the guards, and of how far exponents are below the floor."""
         w = self.w
-        states = [(f"_k{i}", self.rows[y.number], "", self._value(y)) for i, y in enumerate(self.eq.y)]
-        searched = [self._guard(p, k, guard) for p, (k, guard) in enumerate(self.watched)]
-        searched += [self._exponent(k, node, ways) for k, (node, ways) in enumerate(self.rising.items())]
-        for name, _, _, begin in (*states, *searched):
-            w.line(f"{name}[0]", begin)
-        for k, (_, _, _, begin) in enumerate(searched):
-            size = self._size_of_slip(self.watched[k][1]) if k < len(self.watched) else ""
-            w.line(f"_clear{k}", f"fma({literal(SLIP)}, {size}, {begin})" if size else f"1.0 * {begin}")
+        states, searched = self._begun()
         w.line("_power", "1.0")
         w.begin(f"for m in range(1, {self.order + 1})")
         w.line("_power", "_power * _hh")
@@ -299,6 +254,19 @@ class _SeriesWriter:
                 w.line(f"{name}[m]", term)
                 w.line(f"_clear{k}", f"_clear{k} + ({term} if {term} < 0.0 else 0.0)")
         w.end()
+
+    def _begun(self) -> tuple[list[Polynomial], list[Polynomial]]:
+        """Of states, and of all that is searched: the name, the row that it is made of, a factor, and how it begins, which is written."""
+        w = self.w
+        states = [(f"_k{i}", self.rows[y.number], "", self._value(y)) for i, y in enumerate(self.eq.y)]
+        searched = [self._guard(p, k, guard) for p, (k, guard) in enumerate(self.watched)]
+        searched += [self._exponent(k, node, ways) for k, (node, ways) in enumerate(self.rising.items())]
+        for name, _, _, begin in (*states, *searched):
+            w.line(f"{name}[0]", begin)
+        for k, (_, _, _, begin) in enumerate(searched):
+            size = self._size_of_slip(self.watched[k][1]) if k < len(self.watched) else ""
+            w.line(f"_clear{k}", f"fma({literal(SLIP)}, {size}, {begin})" if size else f"1.0 * {begin}")
+        return states, searched
 
     def _whole(self) -> None:
         """What a lane asks of a step that no event ends: the states there, the mean of the first, and its slope there and half the way."""
@@ -356,13 +324,11 @@ class _SeriesWriter:
         w.end()
         w.line("_fits", "1.0 if _good else 0.0")
 
-    def _guard(self, number: int, k: int, guard: Sym) -> tuple[str, str, str, str]:
+    def _guard(self, number: int, k: int, guard: Sym) -> Polynomial:
         """A polynomial's name, the row that it is made of (none if it does not vary), what its flag multiplies it by, and its beginning."""
         flag, value = f"_b{k}" if k < self.eq.signs else "", self._value(guard)
         if size := self._size_of_slip(guard):  # what rounding leaves of a slip that is zero, is zero: it may grow more slowly than that
             value = self.w.line(self.w.fresh(), f"0.0 if abs({value}) <= {literal(SLIP)} * {size} else {value}")
-        if k in self._at_border:
-            value = self.w.line(self.w.fresh(), f"-1.0 if {self._at_border[k]} else {value}")
         return f"_g{number}", self.rows.get(guard.number, ""), flag, f"{flag} * {value}" if flag else value
 
     def _size_of_slip(self, guard: Sym) -> str:
@@ -375,7 +341,7 @@ class _SeriesWriter:
                 return f"({' + '.join(f'abs({self._value(node)})' for node in (self.eq.velocity_scale, *moves))})"
         return ""
 
-    def _exponent(self, k: int, node: Sym, ways: list[Way]) -> tuple[str, str, str, str]:
+    def _exponent(self, k: int, node: Sym, ways: list[Way]) -> Polynomial:
         """The same of an exponent's distance from the floor, where it counts."""
         w, (a,) = self.w, node.args
         value = self._value(a)

@@ -55,9 +55,9 @@ def run(todo: Request, tableau: lanes.AnySteps, rtol: float) -> Trajectory | Sum
     if status > Status.REPEATS and status not in ENDS:
         checks.check_numbers(todo.model)
         t = (float(results.pieces[-1, 0]) * table.span[0] + float(results.pieces[-1, 2])) if len(results.pieces) else 0.0
-        sides = results.pieces[:, 4 : 4 + kernel.contacts]
-        status = stopped.rattling(status, sides)
-        raise SolveError(_stopped(todo, results, kernel, table, 0, status, t, sides), status)
+        changes = _changes(results, 0) or stopped.Changes.of(results.pieces[:, 4 : 4 + kernel.contacts])
+        status = stopped.rattling(status, changes)
+        raise SolveError(_stopped(todo, results, kernel, table, 0, status, t, changes), status)
     counts = {"steps": int(results.accepted[0]), "rejected": int(results.rejected[0])}
     return trajectory(todo, method, _pieces(results.pieces, kernel, table, todo.periods), counts, status if status in ENDS else 0)
 
@@ -72,13 +72,14 @@ def run_of_two(todo: Request, first: Any, one: tuple[lanes.AnySteps, float], oth
 
 
 def _stopped(
-    todo: Request, results: lanes.Results, kernel: lanes.Kernel, table: CaseTable, case: int, status: int, t: float, sides: Any
+    todo: Request, results: lanes.Results, kernel: lanes.Kernel, table: CaseTable, case: int, status: int, t: float,
+    changes: stopped.Changes | None,
 ) -> str:  # fmt: skip
     """The message of a run, or of one of the cases of a table, that could not be finished."""
     mechanics = machine_of(table.model_of(case)).mechanics
     q, u, _ = table.ends(results)
     done = "" if todo.model.period is None else f" after {results.periods_run[case]} of {todo.periods} periods,"
-    where = stopped.location(mechanics, t, u[case], sides, q[case])
+    where = stopped.location(mechanics, t, u[case], changes, q[case])
     remedy = stopped.remedy(status, todo.rtol, bool(mechanics.stops), mechanics.together)
     state = _state(results.end[case], table.offsets[case], kernel.layout)
     return stopped.stopping_message(status, f"{done.lstrip()} {where}".strip(), state, remedy)
@@ -90,7 +91,13 @@ def _failures(todo: Request, results: lanes.Results, kernel: lanes.Kernel, table
         return {}
     early = np.flatnonzero(np.isfinite(results.ended))[: stopped.FAILURES].tolist()
     times = {i: float(results.periods_run[i] * table.span[i] + results.ended[i]) for i in early}
-    return {i: _stopped(todo, results, kernel, table, i, int(results.status[i]), t, None) for i, t in times.items()}
+    return {i: _stopped(todo, results, kernel, table, i, int(results.status[i]), t, _changes(results, i)) for i, t in times.items()}
+
+
+def _changes(results: lanes.Results, case: int) -> stopped.Changes | None:
+    """How often contacts changed their modes in the last steps of a case that used up its budget, if its kernel counts them."""
+    counted = None if results.changed is None else results.changed[case]
+    return None if counted is None or not counted.any() else stopped.Changes.counted(counted)
 
 
 def _state(end: Any, offsets: Any, layout: StateLayout) -> str:
@@ -189,6 +196,8 @@ def _bounds(cases: int, workers: int) -> list[tuple[int, int]]:
 
 def _raw(todo: Request, r: lanes.Results, kernel: lanes.Kernel, table: CaseTable) -> RawResults:
     carried = table.carried * table.span
+    for case in np.flatnonzero(r.status == Status.BUDGET).tolist():
+        r.status[case] = stopped.rattling(Status.BUDGET, _changes(r, case))
     return RawResults(
         displacement=r.displacement + carried * r.window, window=r.window, period=r.period, periods_run=r.periods_run, status=r.status,
         limit=r.limit + carried,

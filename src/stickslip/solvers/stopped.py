@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -36,29 +37,48 @@ _RATTLES = (
 _STOPS = 'If hits on a stop follow one another without end until it is pressed for a while, type method="dop853" (SciPy: slower)'
 
 
-def rattling(status: int, sides: Array | None) -> int:
-    """The status of a run that has used up its steps, which says that it chatters where its last steps were changes of modes.
-
-    Parameters
-    ----------
-    status : int
-    sides : array (steps, contacts), or None
-        Modes of the contacts in the last steps, where they are known.
+@dataclass(frozen=True)
+class Changes:
+    """How often contacts changed their modes in the last steps of a run, of which there were so many.
 
     Examples
     --------
-    >>> rattling(Status.BUDGET, np.arange(1000)[:, None] % 2) == Status.CHATTERS
+    >>> Changes.of(np.array([[1, 0], [0, 0], [1, 0]]))
+    Changes(steps=3, some=2, each=(2, 0))
+    """
+
+    steps: int
+    some: int  # steps with which some contact did
+    each: tuple[int, ...]
+
+    @classmethod
+    def of(cls, sides: Array) -> Changes:
+        """Those of the last of some steps, from the modes in each (steps, contacts)."""
+        changed = np.diff(sides[-LAST:], axis=0) != 0
+        return cls(min(len(sides), LAST), int(np.count_nonzero(changed.any(axis=1))), tuple(np.count_nonzero(changed, axis=0).tolist()))
+
+    @classmethod
+    def counted(cls, counts: Array) -> Changes:
+        """Those that a kernel has counted: with how many of its last steps some mode changed, and that of each contact."""
+        return cls(LAST, int(counts[0]), tuple(counts[1:].tolist()))
+
+
+def rattling(status: int, changes: Changes | None) -> int:
+    """The status of a run that has used up its steps, which says that it chatters where its last steps were changes of modes.
+
+    Examples
+    --------
+    >>> rattling(Status.BUDGET, Changes(1000, 999, (999,))) == Status.CHATTERS
     True
-    >>> rattling(Status.BUDGET, np.zeros((1000, 1))) == Status.BUDGET
+    >>> rattling(Status.BUDGET, Changes(1000, 0, (0,))) == Status.BUDGET
     True
     """
-    if status != Status.BUDGET or sides is None or len(sides) < LAST:
+    if status != Status.BUDGET or changes is None or changes.steps < LAST:
         return status
-    changed = np.count_nonzero(np.any(np.diff(sides[-LAST:], axis=0), axis=1))
-    return int(Status.CHATTERS) if changed >= LAST * _OFTEN else status
+    return int(Status.CHATTERS) if changes.some >= LAST * _OFTEN else status
 
 
-def location(mechanics: Any, t: float, u: Any, sides: Array | None, q: Any = ()) -> str:
+def location(mechanics: Any, t: float, u: Any, changes: Changes | None, q: Any = ()) -> str:
     """The instant, and the contact that changed its mode most often: how often, and its slip velocity.
 
     Parameters
@@ -68,8 +88,8 @@ def location(mechanics: Any, t: float, u: Any, sides: Array | None, q: Any = ())
         Time at the end [s].
     u : array (coordinates,)
         Velocities there [m/s].
-    sides : array (steps, contacts), or None
-        Modes of the contacts in the last steps, where they are known: else the contact that slips least is named.
+    changes : Changes, or None
+        Of the modes of the contacts in the last steps, where they are known: else the contact that slips least is named.
     q : array (coordinates,), optional
         Coordinates there; they matter where slips depend on the place.
 
@@ -78,22 +98,19 @@ def location(mechanics: Any, t: float, u: Any, sides: Array | None, q: Any = ())
     >>> import stickslip as ss
     >>> from stickslip.models.machine_adapter import machine_of
     >>> rig = machine_of(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4)).mechanics
-    >>> location(rig, 0.25, [0.5], np.array([[1], [0], [1]]))
+    >>> location(rig, 0.25, [0.5], Changes(3, 2, (2,)))
     'at t = 0.25 s, where contact has changed its mode 2 times in 3 steps and its slip velocity is 0.5 m/s'
     """
     if not mechanics.contacts:
         return f"at t = {t:.9g} s"
     slips = np.array([float(w) for w in mechanics.slips(t, list(u), list(q))])
-    if sides is None:
-        sides = np.empty((0, len(slips)))
-    changes = np.count_nonzero(np.diff(sides[-LAST:], axis=0), axis=0) if len(sides) > 1 else np.zeros(len(slips), int)
-    i = int(np.argmax(changes)) if changes.any() else int(np.argmin(abs(slips)))
-    name, steps = mechanics.contacts[i], min(len(sides), LAST)
+    i = int(np.argmax(changes.each)) if changes is not None and changes.some else int(np.argmin(abs(slips)))
+    name = mechanics.contacts[i]
     contact = name if name == "contact" else f"contact {name!r}"
-    if not len(sides):
+    if changes is None or not changes.steps:
         return f"at t = {t:.9g} s, where the slip velocity of {contact} is {slips[i]:.9g} m/s"
-    history = f"has changed its mode {changes[i]} times in {steps} steps and its" if changes.any() else "keeps its mode and its"
-    return f"at t = {t:.9g} s, where {contact} {history} slip velocity is {slips[i]:.9g} m/s"
+    history = f"has changed its mode {changes.each[i]} times in {changes.steps} steps" if changes.some else "keeps its mode"
+    return f"at t = {t:.9g} s, where {contact} {history} and its slip velocity is {slips[i]:.9g} m/s"
 
 
 def stopping_message(status: int, where: str, state: str, remedy: str) -> str:

@@ -10,6 +10,12 @@ def next_case(lane, S, W, D):
     return True
 
 
+@typed(boolean(int64, f1, int64, i1))
+def begins_to_count(lane, S, W, D):
+    """Of a case whose budget is used up: nothing more is counted."""
+    return False
+
+
 @typed(void(int64, f1, int64, i1))
 def pass_instant(lane, S, W, D):
     """At a known instant: velocities jump, and controllers take their samples."""

@@ -2,9 +2,9 @@
 # mypy: ignore-errors
 
 # columns of N (lane): case (-1 idle), periods done, recording, last period to do, period number, fresh point, closing, status, steps
-# accepted and rejected until the last look at the progress, whether the present period is one of the window once more, and of each
-# contact how many segments there are
-CASE, DONE, RECORDING, TARGET, NUMBER, FRESH, CLOSING, STATUS, ACCEPTED, REJECTED, AGAIN, SEGMENTS = range(12)
+# accepted and rejected until the last look at the progress, whether the present period is one of the window once more, whether changes of
+# modes are counted, and of each contact how many segments there are
+CASE, DONE, RECORDING, TARGET, NUMBER, FRESH, CLOSING, STATUS, ACCEPTED, REJECTED, AGAIN, COUNTING, SEGMENTS = range(13)
 # columns of K (lane): the last two observed points (of the first when, whether it slips, and which way), window, work of friction while
 # recording and how long, displacement approached; part of the last step after which slip begins or ends;
 # periods done at the last look at the progress, with the part of the present one

@@ -13,6 +13,7 @@
 STEPS_TO_LOOK = 10_000.0  # after which a step ends with the status BUDGET, and the progress of the case is looked at
 AGAIN_WITHIN, AGAIN_TO = 4, 1e-8  # periods after which one is looked for that was the same, and how nearly, in scales of the states
 LEAST_PROGRESS = 1e-5  # of a period, in so many steps: at this pace a period would take 1e9 steps
+LAST_STEPS = 1000.0  # that a case makes when its budget is used up, whose changes of modes are counted
 
 
 @typed(void(int64, f1, i1))
@@ -120,7 +121,7 @@ def finish(lane, S, W, D):
         COUNT[case, 5 + i - SEGMENTS] = N[lane, i]
     if D[SIGNALS] > 0:
         call_note_parts(D[AT_NOTE_PARTS], lane, case, S, W, D)
-    N[lane, CASE], N[lane, RECORDING] = -1, 0
+    N[lane, CASE], N[lane, RECORDING], N[lane, COUNTING] = -1, 0, 0
 
 
 @typed(void(int64, f1, i1))
@@ -437,6 +438,19 @@ def widen(lane, S, W, D):
         call_hold(D[AT_HOLD], lane, S, W, D)
 
 
+@typed(boolean(int64, f1, int64, i1))
+def begins_to_count(lane, S, W, D):
+    """Of a case whose budget is used up: whether `LAST_STEPS` follow before it ends, whose changes of modes are counted."""
+    N, budget = N_of(W), LIMITS_of(W)[BUDGET_OF_STEPS]
+    if CHANGED_of(W).shape[0] == 0 or N[lane, COUNTING] == 1 or budget < LAST_STEPS:
+        return False
+    done = min(STEPS_TO_LOOK, budget) - LAST_STEPS  # so that the next look is after so many
+    N[lane, COUNTING] = 1
+    N[lane, ACCEPTED] -= np.int64(done)
+    S[D[F_NACC] + lane] = done
+    return True
+
+
 @typed(float64(int64, f1, int64, i1))
 def progress(lane, S, W, D):
     """After `STEPS_TO_LOOK` steps: 0 if a case gets on and has steps left, else the status with which it ends."""
@@ -448,8 +462,19 @@ def progress(lane, S, W, D):
     moved = now - K[lane, SINCE]
     K[lane, SINCE] = now
     if N[lane, ACCEPTED] + N[lane, REJECTED] > LIMITS_of(W)[BUDGET_OF_STEPS]:
-        return BUDGET
+        return 0.0 if begins_to_count(lane, S, W, D) else BUDGET
     return CHATTERS if moved < LEAST_PROGRESS else 0.0
+
+
+@typed(void(int64, f1, int64, i1))
+def count_changes(lane, S, W, D):
+    """Note which contacts changed their modes at the end of the last step of a lane."""
+    CHANGED, case, some = CHANGED_of(W), N_of(W)[lane, CASE], 0
+    for i in range(D[CONTACTS]):
+        if S[D[F_SIDE] + i * D[LANES] + lane] != S[D[F_MODE] + i * D[LANES] + lane]:
+            CHANGED[case, 1 + i] += 1
+            some = 1
+    CHANGED[case, 0] += some
 
 
 @typed(boolean(int64, f1, int64, i1))
@@ -484,11 +509,13 @@ def advance(S, calls, W, D):
     L = D[LANES]
     active = 0
     recording = 0
+    counting = 0
     pieces_wanted = PIECES.shape[0] > 0
     for lane in range(L):
         if N[lane, CASE] >= 0 or next_case(lane, S, W, D):
             active += 1
             recording += N[lane, RECORDING]
+            counting += N[lane, COUNTING]
     for _ in range(calls):
         if active == 0:
             return 0
@@ -499,6 +526,10 @@ def advance(S, calls, W, D):
             call_land(D[AT_LAND], S, steps, D)
         if pieces_wanted and is_piece(S, D):
             keep_piece(S, W, D)
+        if counting > 0:
+            for lane in range(L):
+                if N[lane, COUNTING] == 1:
+                    count_changes(lane, S, W, D)
         if recording > 0:
             for lane in range(L):
                 if N[lane, RECORDING] == 1:
@@ -515,8 +546,9 @@ def advance(S, calls, W, D):
                 S[D[F_NREJ] + lane] = 0.0
                 S[D[F_TEND] + lane] = 1e30
                 continue
-            was = N[lane, RECORDING]
+            was, counted = N[lane, RECORDING], N[lane, COUNTING]
             if not go_on(lane, S, W, D):
                 active -= 1
             recording += N[lane, RECORDING] - was
+            counting += N[lane, COUNTING] - counted
     return active

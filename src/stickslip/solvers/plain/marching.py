@@ -25,7 +25,7 @@ from stickslip.solvers.plain.plain_equations import ContactModes, Equations
 from stickslip.solvers.plain.points import PointEquations, equations_of
 from stickslip.solvers.plain.stretch import integrate
 from stickslip.solvers.settings import Request
-from stickslip.solvers.stopped import PRESSES_BACK, STIFF, location, remedy, stopping_message
+from stickslip.solvers.stopped import PRESSES_BACK, STIFF, Changes, location, remedy, stopping_message
 
 _EVENTS = 2_000  # events in one period, and as many more for each contact and stop, that are taken for chatter
 _MANY, _AT_ONCE = 200, 1e-9  # so many events within this part of a period are taken for it too
@@ -203,7 +203,7 @@ class Run:
     def message(self, status: Status) -> str:
         """Where and why the run ended before its time."""
         e, sides = self.equations, np.array([sides for _, sides in self.recent], int).reshape(len(self.recent), -1)
-        where = location(e.mechanics, self.t, e.state(self.y)[1], sides, e.state(self.y)[0])
+        where = location(e.mechanics, self.t, e.state(self.y)[1], Changes.of(sides), e.state(self.y)[0])
         state = ", ".join(f"{value:.9g}" for value in self.y.tolist())
         slow = status == Status.BUDGET and self.todo.method == "dop853"
         return stopping_message(status, where, state, STIFF if slow else remedy(status, self.todo.rtol, False))
