@@ -91,7 +91,7 @@ def mean_velocity(run: Any, body: int | str | None = None, frequency: float | No
 
 def _of_body(run: Any, body: int | str) -> float:
     """Mean velocity of one body over the window of the mean."""
-    if isinstance(run, Summary) or not hasattr(run, "pieces"):
+    if not isinstance(run, Trajectory):
         given = type(run).__name__
         raise InputError(
             "mean_velocity", [f"body = {body!r} of a {given}; allowed is a Trajectory; a {given} keeps one velocity; leave body out"]

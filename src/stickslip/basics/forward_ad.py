@@ -33,15 +33,15 @@ class Truth:
         slopes = [_chosen(self.holds, yes.slope(i), no.slope(i)) for i in range(count)]
         return kind(_chosen(self.holds, yes.value, no.value), slopes)
 
-    def __and__(self, other: Any) -> Truth:
-        return Truth(self.holds & _holds(other))
+    def __and__(self, other: Any) -> Any:
+        return type(self)(self.holds & _holds(other))
 
-    def __or__(self, other: Any) -> Truth:
-        return Truth(self.holds | _holds(other))
+    def __or__(self, other: Any) -> Any:
+        return type(self)(self.holds | _holds(other))
 
-    def __invert__(self) -> Truth:
+    def __invert__(self) -> Any:
         holds = self.holds
-        return Truth(~holds if isinstance(holds, Truth) else np.logical_not(holds))  # of a Python bool ~ is a number that always holds
+        return type(self)(not holds if isinstance(holds, bool) else ~holds)  # of a Python bool ~ is a number that always holds
 
     def __bool__(self) -> bool:
         """The truth value of one number; NumPy refuses it for an array."""

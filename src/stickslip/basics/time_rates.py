@@ -8,6 +8,7 @@ from typing import Any
 
 from stickslip.basics import maths
 from stickslip.basics.contracts import Numeric
+from stickslip.basics.forward_ad import Truth
 from stickslip.basics.of_own import OfOwn
 
 
@@ -101,36 +102,12 @@ class Moving:
         return Moving(maths.within(self.value, period), self.rate, self.second)
 
 
-class _Condition:
-    """A condition on values that vary; `where` asks it to choose."""
-
-    __array_ufunc__ = None
-
-    def __init__(self, holds: Any):
-        self.holds = holds
+class _Condition(Truth):
+    """A condition on values that vary, which may be symbols; `where` asks it to choose."""
 
     def __ss_where__(self, yes: Any, no: Any) -> Moving:
         yes, no = _lift(yes), _lift(no)
         return Moving(*(maths.where(self.holds, *both) for both in ((yes.value, no.value), (yes.rate, no.rate), (yes.second, no.second))))
-
-    def __bool__(self) -> bool:
-        """The truth of a condition on a number; arrays and symbols refuse it, which an `if` would take for true."""
-        return bool(self.holds)
-
-    def __and__(self, other: Any) -> _Condition:
-        return _Condition(self.holds & _holds(other))
-
-    def __or__(self, other: Any) -> _Condition:
-        return _Condition(self.holds | _holds(other))
-
-    def __invert__(self) -> _Condition:
-        return _Condition(not self.holds if isinstance(self.holds, bool) else ~self.holds)
-
-    __rand__, __ror__ = __and__, __or__
-
-
-def _holds(other: Any) -> Any:
-    return other.holds if isinstance(other, _Condition) else other
 
 
 def _lift(value: Any) -> Moving:

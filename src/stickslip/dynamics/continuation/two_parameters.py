@@ -210,7 +210,7 @@ def _orbits(problem: CurveProblem, states: list[Array]) -> tuple[tuple[Any, ...]
 def _is_of_arcs(special: Special) -> bool:
     """Whether it is a border of types of a motion made of arcs whose times are the only unknowns."""
     orbit = special.orbit
-    if orbit.is_cycle or not orbit.at.in_lanes or special.kind != "type-border":
+    if orbit.is_cycle or not orbit.patterns or special.kind != "type-border":
         return False
     machine = machine_of(orbit.model)
     return not machine.mechanics.knows_place and not machine.has_inner_states

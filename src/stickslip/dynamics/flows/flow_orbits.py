@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,7 @@ from stickslip.basics.arguments import Single, explains_arguments
 from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.basics.errors import InputError, Problems, SolveError, is_whole
 from stickslip.basics.interruption import interruptible
-from stickslip.dynamics.flows.flow_stretches import Passage, needs_flow, passage, started
+from stickslip.dynamics.flows.flow_stretches import Passage, needs_flow, passage, started, touches
 from stickslip.dynamics.periodic.closed_orbits import PeriodicOrbit
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.normal_loads import normal_load
@@ -157,13 +156,6 @@ def _orbit(
     return PeriodicOrbit(flow, period, state, residual, notes=notes, duration=T, _passage=done, **how)
 
 
-def noted(orbit: PeriodicOrbit) -> PeriodicOrbit:
-    """An orbit that is known to come back, with a remark where the passage of a flow touches a guard."""
-    if orbit.at.in_lanes or np.isfinite(orbit.monodromy).all():
-        return orbit
-    return replace(orbit, notes=(*orbit.notes, touches(orbit.passage)))
-
-
 def _miss(flow: SwitchingFlow, y: Array, done: Passage) -> Array:
     """How far a passage ends from its start, but for the drift of cyclic coordinates."""
     return flow.drifts.difference(done.state, y)
@@ -199,15 +191,6 @@ def _nothing_moves(y: Array, mode: Any, T: float, guessed: float) -> str:
     return (
         f"Newton's method went to an equilibrium, y = {[float(f'{v:.6g}') for v in y]} in mode {mode!r}, which repeats after any "
         f"time and is not an orbit; {hint}"
-    )
-
-
-def touches(done: Passage) -> str:
-    """That a passage touches a guard, and has no derivative."""
-    at = ", ".join(f"{t:.9g}" for t, _, _ in done.events[-3:])
-    return (
-        f"the flow touches a guard without crossing it (its last switches are at t = {at}): perturbations grow there without bound, so "
-        "there is no derivative; try another guess, or another value of the parameter"
     )
 
 

@@ -123,6 +123,15 @@ def passage(
     return Passage(done.state, done.mode, done.time, done.events, done.growth, done.rank_deficient, low, high)
 
 
+def touches(done: Passage) -> str:
+    """That a passage touches a guard, and has no derivative."""
+    at = ", ".join(f"{t:.9g}" for t, _, _ in done.events[-3:])
+    return (
+        f"the flow touches a guard without crossing it (its last switches are at t = {at}): perturbations grow there without bound, so "
+        "there is no derivative; try another guess, or another value of the parameter"
+    )
+
+
 def needs_flow(what: str, value: Any, mistake: str) -> None:
     """Say what is wrong where something else than a flow was given."""
     if not is_flow(value):

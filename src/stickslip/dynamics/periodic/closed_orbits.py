@@ -139,6 +139,11 @@ class PeriodicOrbit(Drawn, OfOneRun):
         run = solve(self.model, keep="trajectory", **self.at.begun(self.model, self.strobe_state), **how)
         return replace(run, known_period=self.period)
 
+    def noted(self) -> PeriodicOrbit:
+        """The same with remarks on it, where it is known that it comes back, such as that a flow touches a guard."""
+        remarks = self._kind.remarks(self)
+        return replace(self, notes=(*self.notes, *remarks)) if remarks else self
+
     @property
     def is_cycle(self) -> bool:
         """Whether the equations have no period, so that its duration is its own."""

@@ -16,7 +16,7 @@ from stickslip.analysis.contact_modes import pressed_stops
 from stickslip.analysis.oscillation import kind_of_cycle
 from stickslip.basics.contracts import Array
 from stickslip.dynamics.derivatives.tangents import jacobian_of, not_followed, orders_differ
-from stickslip.dynamics.flows.flow_stretches import passage
+from stickslip.dynamics.flows.flow_stretches import passage, touches
 from stickslip.dynamics.periodic.newton import STEP
 from stickslip.dynamics.stroboscopic.differences import at_limits
 from stickslip.models.angular_coordinates import unit_of_part
@@ -55,6 +55,10 @@ class OfBodies:
         if not_followed(orbit.model):
             return orbit._jacobian(STEP)
         return jacobian_of(orbit.model, orbit.strobe_state, rtol=orbit.rtol, **orbit._length)
+
+    def remarks(self, orbit: PeriodicOrbit) -> tuple[str, ...]:
+        """None: `evidence` says what limits its multipliers."""
+        return ()
 
     def lost(self, orbit: PeriodicOrbit) -> int:
         """How many directions are wiped out at one instant."""
@@ -179,6 +183,10 @@ class OfModes:
     def derivative(self, orbit: PeriodicOrbit) -> Array:
         """That of the passage."""
         return orbit.passage.monodromy
+
+    def remarks(self, orbit: PeriodicOrbit) -> tuple[str, ...]:
+        """Where a guard is touched."""
+        return () if np.isfinite(orbit.monodromy).all() else (touches(orbit.passage),)
 
     def lost(self, orbit: PeriodicOrbit) -> int:
         """Whether a switch wipes out a direction."""

@@ -13,7 +13,7 @@ from stickslip.basics.errors import Problems, SolveError
 from stickslip.basics.interruption import interruptible
 from stickslip.dynamics.derivatives.tangents import Directions, changes_along, not_followed
 from stickslip.dynamics.flows.flow_cycles import cycle_of_flow, cycle_shown
-from stickslip.dynamics.flows.flow_orbits import flow_orbit, noted
+from stickslip.dynamics.flows.flow_orbits import flow_orbit
 from stickslip.dynamics.periodic.closed_orbits import RTOL, PeriodicOrbit
 from stickslip.dynamics.periodic.cycle_sections import TURN, Section
 from stickslip.dynamics.periodic.drifting import drift_sentence
@@ -158,7 +158,7 @@ def orbit_near(model: Model, period: int, state: Array, at: Coordinates) -> Peri
 
 def orbit_through(at: Coordinates, model: Model, period: int, state: Array, residual: float, rtol: float) -> PeriodicOrbit:
     """The orbit of a model with a period through a state that is known to come back."""
-    return noted(PeriodicOrbit(model, period, with_rests(model, state, period, rtol), residual, rtol))
+    return PeriodicOrbit(model, period, with_rests(model, state, period, rtol), residual, rtol).noted()
 
 
 def derivative_of(orbit: Any, at: Coordinates) -> Array:

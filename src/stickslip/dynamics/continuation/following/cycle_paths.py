@@ -10,7 +10,6 @@ import numpy as np
 
 from stickslip.basics.contracts import Array
 from stickslip.dynamics.continuation.following.pseudo_arclength import Path, Point
-from stickslip.dynamics.flows.flow_orbits import noted
 from stickslip.dynamics.periodic.closed_orbits import PeriodicOrbit
 from stickslip.dynamics.periodic.cycle_sections import TURN, Section
 from stickslip.dynamics.periodic.newton import Root
@@ -119,13 +118,13 @@ class CyclePath(Path):
         model, u = self.robot(root.at), root.at[: self.at.smooth]
         state = self.section.states(model, self.at, u[None, :], root.memory)[0]
         duration = float(u[-1] * self.unit)
-        return noted(PeriodicOrbit(model, self.period, state, root.residual, self.rtol, duration=duration, section=self.section))
+        return PeriodicOrbit(model, self.period, state, root.residual, self.rtol, duration=duration, section=self.section).noted()
 
 
 def rests_on_one_contact(cycle: Any) -> bool:
     """Whether a cycle is that of a machine with one contact, on which it rests exactly: how long it does says where that ends."""
     laws = adapter_of(cycle.model).laws
-    return cycle.is_cycle and cycle.at.in_lanes and len(laws) == 1 and not laws[0].dynamic
+    return bool(cycle.is_cycle and len(cycle.patterns) == len(laws) == 1 and not laws[0].dynamic)
 
 
 def vanishing(path: Path, points: list[Point]) -> tuple[float, float] | None:
