@@ -71,10 +71,15 @@ def test_jumps_alone_tell_a_delay_to_a_sample_or_two():
         assert abs(value - late) < 2.5 * error and 2e-3 < error < 1.6e-2
         assert abs(fit.values["mu_plus"] - 0.25) < 2 * fit.errors["mu_plus"] and fit.sensor["gain"][0] == pytest.approx(1.0, abs=1e-3)
 
-    made = Strokes(np.arange(14.0), np.array([1, 1, 1, *[0] * 8, -1, -1, -1]), -9.0, 1.0)  # far from a reversal a line is held
+    made = Strokes(np.arange(14.0), np.array([1, 1, 1, *[0] * 8, -1, -1, -1]), -9.0, 1.0)  # far from a reversal a value is held
     h, sooner = np.arange(14.0) ** 2, 1e-6
     changes = (made.delayed(h, 0.3 - sooner) - made.delayed(h, 0.3 + sooner)) / (2 * sooner)
     assert made.slope(h, 0.3) == pytest.approx(changes, abs=1e-6) and (changes[2:12] == 0).any()
+    t = np.cumsum(np.random.default_rng(1).uniform(0.8, 1.2, 40))
+    made = Strokes(t, np.where(np.arange(40) < 20, 1, -1), 1.3, 1.0)
+    shown, within = made.delayed(t**2, 1.3), made.open < 0  # a parabola from the first to the last value of a stroke, within it a cubic
+    assert shown[within][2:] == pytest.approx((t[within][2:] - 1.3) ** 2, rel=1e-12) and np.sum(~within) == 3
+    assert made.delayed(t**3, 1.3)[[5, 10, 15, 30, 35]] == pytest.approx((t[[5, 10, 15, 30, 35]] - 1.3) ** 3, rel=1e-12)
 
 
 def test_steps_go_on_where_a_number_has_no_effect():

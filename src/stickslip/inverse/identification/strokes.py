@@ -128,6 +128,10 @@ class Strokes:
             begin, end = np.searchsorted(t, t[first] + lag - around), np.searchsorted(t, t[last] + lag + around, side="right")
             self.open[begin:end] = first
             self.passing[begin:end] = last - first <= _STAYS
+        self.steps = np.diff(t)
+        usual, alone = self.steps < _GAP * step, self.of < 0
+        self.within = np.zeros(count, bool)  # values whose neighbours are of the same stroke, and near
+        self.within[1:-1] = alone[:-2] & alone[1:-1] & alone[2:] & usual[:-1] & usual[1:]
         self.middle = np.array([0.5 * (t[first] + t[last]) for first, last in self.runs])
         self.before = np.array([max(first - 2, 0) for first, _ in self.runs], int)
         self.after = np.array([min(last + 1, count - 2) for _, last in self.runs], int)
@@ -135,13 +139,27 @@ class Strokes:
     def delayed(self, h: Array, delay: float) -> Any:
         """Values of the strokes so much later, and what is open between them."""
         left, part = self._places(delay)
-        return np.where(_beside(self.open >= 0, h), h[self.open], on_a_line(h, left, left + 1, part))
+        off = part * (part - 1) * self.steps[left] ** 2
+        along = on_a_line(h, left, left + 1, part) + _beside(off, h) * self._bend(h, left, part)
+        return np.where(_beside(self.open >= 0, h), h[self.open], along)
 
     def slope(self, h: Array, delay: float) -> Any:
         """The change of these with time."""
         left, part = self._places(delay)
         held = (self.open >= 0) | (part <= -_BEFORE) | (part >= 1 + _BEFORE)
-        return np.where(held, 0.0, (h[left + 1] - h[left]) / (self.t[left + 1] - self.t[left]))
+        steps = self.steps[left]
+        return np.where(held, 0.0, (h[left + 1] - h[left]) / steps + (2 * part - 1) * steps * self._bend(h, left, part))
+
+    def _bend(self, h: Array, left: Array, part: Array) -> Any:
+        """Half the second derivative of a curve within a stroke: a cubic through four values, or a parabola through three at its end."""
+        bend = np.zeros_like(h)
+        along = np.diff(h, axis=0) / _beside(self.steps, h)
+        bend[1:-1] = np.diff(along, axis=0) / _beside(self.t[2:] - self.t[:-2], h)
+        here, next_ = self.within[left] & (part >= 0), self.within[left + 1] & (part <= 1)
+        t, outer = self.t, np.minimum(left + 2, len(self.t) - 1)
+        share = (t[outer] - t[left] - part * self.steps[left]) / (t[outer] - t[np.maximum(left - 1, 0)])  # of the value here, in a cubic
+        share = np.where(here & next_, share, here)
+        return _beside(share, h) * bend[left] + _beside(np.where(here | next_, 1.0 - share, 0.0), h) * bend[left + 1]
 
     def _places(self, delay: float) -> tuple[Any, Any]:
         """The value before each instant, and how far that is on the way to the next one: of a straight line within the same stroke."""
