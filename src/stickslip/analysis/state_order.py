@@ -15,7 +15,6 @@ from stickslip.engine.refused import refusal_of
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import MachineAdapter, machine_of
 from stickslip.models.model_adapter import adapter_of
-from stickslip.models.position_dependence import knows_position
 from stickslip.models.state_layout import StateLayout
 
 
@@ -100,7 +99,7 @@ def order_of(model: Model, machine: MachineAdapter | None = None) -> Order:
         return order_of_names(names, own.sections)
     machine = machine_of(model) if machine is None else machine
     if not machine.names_parts:
-        count, placed = law_of(model).states, int(knows_position(model))
+        count, placed = law_of(model).states, int(machine.mechanics.knows_place)
         names = (*(("x",) * placed), "v", *numbered_names("z", count))
         kept = tuple(range(placed))
         inner = slice(placed + 1, placed + 1 + count)

@@ -334,7 +334,7 @@ class OneBody(Mechanics):
             works = {"drive": supplied + none, "gravity": none, "damping": none, "actuator": none}
         return {**works, "friction": friction}
 
-    @property
+    @cached_property
     def knows_place(self) -> bool:
         """Whether its position appears in its equations."""
         return knows_position(self.model)

@@ -70,10 +70,13 @@ class SteadyCurve(TransientCurve):
         Drive periods until the motion repeats.
     settled : bool
         Whether the strobe point repeats.
+    end : dict
+        The last strobe point, from which a neighbouring robot is started.
     """
 
     period: int
     settled: bool
+    end: dict[str, Any]
 
     def _times(self, phase: Any) -> Any:
         return self.run.strobe_times[-1 - self.period] + np.mod(phase, self.period) * self.run.period_time
@@ -94,20 +97,17 @@ class SteadyCurve(TransientCurve):
         """Mean velocity [m/s]."""
         return self.step / (self.period * self.run.period_time)
 
-    @property
-    def end(self) -> dict[str, Any]:
-        """The strobe point, from which a neighbouring robot is started."""
-        return coordinates(self.run.model).start(strobe_states(self.run)[-1])
-
 
 def steady_curve(robot: Any, start: dict[str, Any] | None = None, rtol: float = 1e-8, body: int | None = None) -> SteadyCurve:
     """The steady motion of a robot, or of a body of a machine; starts near it make it cheap.
 
-    Where the strobe points approach their limit geometrically, the limit is extrapolated and the run begins there again.
+    Where the strobe points approach their limit geometrically, the limit is extrapolated and the run begins there again. Each coordinate
+    is looked at against its size, times a speed: a body that rests at strobe times has no velocity there, whatever the others do.
     """
     spent, periods = 0, _FIRST
     scale = float(machine_of(robot).free_velocity or robot.velocity_scale or 1.0)
     tolerance = min(30 * rtol, 1e-5) * scale
+    at = coordinates(robot)
     while True:
         try:
             run = solve(robot, periods=periods, samples=4, rtol=rtol, keep="trajectory", start=start)
@@ -117,19 +117,12 @@ def steady_curve(robot: Any, start: dict[str, Any] | None = None, rtol: float = 
             start = None
             continue
         spent += periods
-        points = _strobe_points(run, scale)
+        states = strobe_states(run)
+        points = states / at.scales * scale
         period = next((p for p in range(1, _LONGEST + 1) if len(points) > 2 * p and _apart(points, p) <= tolerance), None)
         if spent >= _MOST or (period is not None and not _still_nearing(points, period, _LEFT * tolerance)):
-            return SteadyCurve(run, period or _usual(points, tolerance), period is not None, body=body)
-        start, periods = _nearer(run, points, tolerance), periods if period else min(2 * periods, 100)
-
-
-def _strobe_points(run: Any, speed: float) -> Any:
-    """The states at strobe times, each coordinate against its size, times a speed [m/s]: array (points, coordinates).
-
-    A body that rests there has no velocity, whatever the others do: all coordinates of a machine are looked at.
-    """
-    return strobe_states(run) / coordinates(run.model).scales * speed
+            return SteadyCurve(run, period or _usual(points, tolerance), period is not None, at.start(states[-1]), body=body)
+        start, periods = at.start(_nearer(at.smooth, states, points, tolerance)), periods if period else min(2 * periods, 100)
 
 
 def _apart(points: Array, p: int) -> float:
@@ -151,19 +144,17 @@ def _still_nearing(points: Array, p: int, tolerance: float) -> bool:
     return bool(tolerance < _apart(points, p) < _FALLS * _apart(points[:-1], p))
 
 
-def _nearer(run: Any, points: Array, tolerance: float) -> dict[str, Any]:
-    """A start nearer to the limit of the strobe points."""
-    end, p = SteadyCurve(run, 1, False).end, _usual(points, tolerance)
+def _nearer(smooth: int, states: Array, points: Array, tolerance: float) -> Array:
+    """A state nearer to the limit of the strobe points, in its first `smooth` coordinates."""
+    p = _usual(points, tolerance)
     if len(points) < 2 * p + 1:
-        return end
+        return states[-1]
     last, before = points[-1] - points[-1 - p], points[-1 - p] - points[-1 - 2 * p]
     ratio = float(last @ before) / float(before @ before) if before.any() else 0.0
     if not 0.05 < ratio < 0.98 or float(abs(last - ratio * before).max()) > _ALONG * float(abs(last).max()):
-        return end
+        return states[-1]
     ahead = ratio / (1 - ratio)
-    at = coordinates(run.model)
-    states = strobe_states(run)
-    return at.start(states[-1] + np.where(np.arange(len(at.names)) < at.smooth, (states[-1] - states[-1 - p]) * ahead, 0.0))
+    return states[-1] + np.where(np.arange(states.shape[1]) < smooth, (states[-1] - states[-1 - p]) * ahead, 0.0)
 
 
 def periods_to_settle(curve: SteadyCurve, rtol: float = 1e-8) -> float:
@@ -173,7 +164,8 @@ def periods_to_settle(curve: SteadyCurve, rtol: float = 1e-8) -> float:
     many = max(_WATCHED // p, 2) * p
     begun = solve(model, periods=many, samples=4, rtol=rtol, keep="trajectory", start=curve.end)
     moved = solve(model, periods=many, samples=4, rtol=rtol, keep="trajectory", start=_disturbed(curve.end, _DISTURBED * speed))
-    off = np.sqrt(np.sum((_strobe_points(moved, speed) - _strobe_points(begun, speed)) ** 2, axis=1))
+    scales = coordinates(model).scales
+    off = np.sqrt(np.sum((strobe_states(moved) / scales * speed - strobe_states(begun) / scales * speed) ** 2, axis=1))
     early, late = off[many // 2 // p * p], off[many]
     steps = many - many // 2 // p * p
     if not late > _DISTURBED * speed * 1e-3 or not late < early:
