@@ -1,67 +1,65 @@
 """The core's peak in double-precision fused multiply-adds: what any solver here can at most use.
 
-A compiled loop with independent vector accumulators, enough of them to hide the latency of the multiply-add. It is emitted through
-Numba's intrinsics: a plain loop over an array would measure loads and stores, one over scalars would not become a vector.
+A compiled loop with independent vector accumulators, enough of them to hide the latency of the multiply-add. It is written in LLVM's own
+instructions: a plain loop over an array would measure loads and stores, one over scalars would not become a vector.
 """
 
 from __future__ import annotations
 
+import ctypes
+from collections.abc import Callable
 from functools import cache
 from time import process_time
+
+import llvmlite.binding as llvm
 
 WIDTHS = (1, 2, 4, 8)
 ACCUMULATORS = (8, 12, 16, 24)
 ROUNDS = 2_000_000
 
 
-def _emitter(width: int, accumulators: int):
-    """Code generator of a loop that does a -> a x + y on every accumulator and returns a sum of all."""
-    from llvmlite import ir
-    from numba.core import cgutils
+def _instructions(width: int, accumulators: int) -> str:
+    """A loop that does a -> a x + y on every accumulator, and returns a lane of the sum of all."""
+    kind, each = f"<{width} x double>", range(accumulators)
 
-    double, whole, index = ir.DoubleType(), ir.IntType(64), ir.IntType(32)
-    vector = ir.VectorType(double, width)
+    def spread(name: str) -> list[str]:
+        return [
+            f"  %{name}1 = insertelement {kind} undef, double %{name}, i32 0",
+            f"  %{name}s = shufflevector {kind} %{name}1, {kind} undef, <{width} x i32> zeroinitializer",
+        ]
 
-    def spread(builder, value):
-        empty = ir.Constant(vector, ir.Undefined)
-        one = builder.insert_element(empty, value, index(0))
-        return builder.shuffle_vector(one, empty, ir.Constant(ir.VectorType(index, width), [0] * width))
+    def begun(k: int) -> str:
+        return "<" + ", ".join(f"double {k + 0.1 * lane!r}" for lane in range(width)) + ">"
 
-    def emit(_context, builder, _signature, args):
-        kind = ir.FunctionType(vector, [vector] * 3)
-        fma = cgutils.get_or_insert_function(builder.module, kind, f"llvm.fma.v{width}f64")
-        rounds, x, y = args[0], spread(builder, args[1]), spread(builder, args[2])
-        entry, body, after = builder.block, builder.append_basic_block("body"), builder.append_basic_block("after")
-        builder.branch(body)
-        builder.position_at_end(body)
-        count, state = builder.phi(whole), [builder.phi(vector) for _ in range(accumulators)]
-        following, new = builder.add(count, whole(1)), [builder.call(fma, [a, x, y]) for a in state]
-        for k, (a, b) in enumerate(zip([count, *state], [following, *new], strict=True)):
-            a.add_incoming(whole(0) if k == 0 else ir.Constant(vector, [k + 0.1 * lane for lane in range(width)]), entry)
-            a.add_incoming(b, body)
-        builder.cbranch(builder.icmp_signed("<", following, rounds), body, after)
-        builder.position_at_end(after)
-        total = new[0]
-        for b in new[1:]:
-            total = builder.fadd(total, b)
-        return builder.extract_element(total, index(0))
-
-    return emit
+    return "\n".join(
+        [
+            f"declare {kind} @llvm.fma.v{width}f64({kind}, {kind}, {kind})",
+            "define double @spin(i64 %rounds, double %x, double %y) {",
+            "entry:", *spread("x"), *spread("y"), "  br label %body",
+            "body:", "  %n = phi i64 [ 0, %entry ], [ %m, %body ]",
+            *(f"  %a{k} = phi {kind} [ {begun(k)}, %entry ], [ %b{k}, %body ]" for k in each),
+            *(f"  %b{k} = call {kind} @llvm.fma.v{width}f64({kind} %a{k}, {kind} %xs, {kind} %ys)" for k in each),
+            "  %m = add i64 %n, 1", "  %more = icmp slt i64 %m, %rounds", "  br i1 %more, label %body, label %after",
+            "after:", f"  %t0 = fadd {kind} %b0, %b0",
+            *(f"  %t{k} = fadd {kind} %t{k - 1}, %b{k}" for k in each if k),
+            f"  %end = extractelement {kind} %t{accumulators - 1}, i32 0", "  ret double %end", "}",
+        ]
+    )  # fmt: skip
 
 
 @cache
-def _loop(width: int, accumulators: int):
-    """Compiled function of (rounds, x, y)."""
-    from numba import njit, types
-    from numba.extending import intrinsic
-
-    emit = _emitter(width, accumulators)
-
-    @intrinsic
-    def spin(_typing, rounds, x, y):
-        return types.float64(types.int64, types.float64, types.float64), emit
-
-    return njit(lambda rounds, x, y: spin(rounds, x, y))
+def _loop(width: int, accumulators: int) -> Callable[[int, float, float], float]:
+    """Compiled function of (rounds, x, y), for this processor."""
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    features = llvm.get_host_cpu_features().flatten()
+    machine = llvm.Target.from_default_triple().create_target_machine(opt=3, cpu=llvm.get_host_cpu_name(), features=features)
+    module = llvm.parse_assembly(_instructions(width, accumulators))
+    module.verify()
+    engine = llvm.create_mcjit_compiler(module, machine)
+    engine.finalize_object()
+    spin = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_int64, ctypes.c_double, ctypes.c_double)(engine.get_function_address("spin"))
+    return lambda rounds, x, y, _=engine: spin(rounds, x, y)  # the machine code lives as long as its engine
 
 
 def gigaflops(width: int, accumulators: int) -> float:

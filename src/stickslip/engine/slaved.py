@@ -65,7 +65,9 @@ SHORTER = 4  # times that a step is shortened before it is refused
 SLACK = 2.0  # by how much less z may be slaved at a step's end
 CUTS = 20  # of a step in which an exponential rises too far
 NOTED = ("ratio", "tail", "t0", "hh", "top")  # of a step, where somebody looks
-ROWS = 16  # series of a step that two vectors of lanes hold in turn; of more, registers hold those of one alone, in half the text
+NUMBERS = (
+    100  # in the series of a step that two vectors of lanes hold in turn; of more, registers hold those of one alone, in half the text
+)
 TINY = 1e-14  # of the velocity scale: below it a velocity is zero
 
 
@@ -96,7 +98,7 @@ class StepWriter:
         fields += [*(f"{name}_0" for name in NOTED), *(["work_0"] if self._works else []), *(f"k{i}_{m}" for i in (0, 1) for m in orders)]
         fields += ["x0", *sides(self.eq)] if self.record else []
         rows = sum(" = row(" in line for line in self.w.lines)
-        return Step(tuple(self.w.lines), tuple(fields), tuple(self.w.case_nodes), self.n, by_vector=rows > ROWS)
+        return Step(tuple(self.w.lines), tuple(fields), tuple(self.w.case_nodes), self.n, by_vector=rows * (self.n + 1) > NUMBERS)
 
     def _value(self, node: Sym, bind: dict[str, str] | None = None) -> str:
         return self.w.value(node, bind or self.start)
