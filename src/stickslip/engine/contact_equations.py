@@ -12,7 +12,7 @@ from stickslip.engine.landings import add_landing
 from stickslip.engine.pressed import Pressed, add_pressed, pressed_stops, settled_apart, settles, shut_at
 from stickslip.engine.refused import groups_of
 from stickslip.engine.several_feet import add_several
-from stickslip.engine.solved_load import add_solved, events_of_border
+from stickslip.engine.solved_load import add_solved, events_of_border, events_of_side
 from stickslip.engine.symbolic import Symbolic
 from stickslip.engine.symbols import Sym, TraceError
 from stickslip.engine.system import Branches, TracedContact
@@ -180,7 +180,8 @@ def add_contacts(parts: Assembly, speeds: list[Sym | None]) -> None:
         elif m.equations.joined and m.laws[group[0]].flies:
             add_landing(parts, group[0], speeds)
         elif len(group) == 1 and m.of_motion[group[0]] and m.equations.joined:
-            parts.events += events_of_border(add_solved(parts, group[0], speeds), None)
+            solved = add_solved(parts, group[0], speeds)
+            parts.events += [*events_of_border(solved, None), *events_of_side(solved)]
         elif m.equations.joined or len({m.directions[i] for i in group}) > 1 or not brakes_one(m.directions[group[0]]):
             add_box(parts, group, speeds)
         elif len(group) > 1:

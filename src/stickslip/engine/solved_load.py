@@ -143,8 +143,6 @@ def add_solved(parts: Assembly, i: int, speeds: list[Sym | None]) -> SolvedLoad:
         (graph.by_side(mode, one, one, forwards), {i: one}, exactly, 0),
         (graph.by_side(mode, one, one, backwards), {i: -one}, exactly, 0),
     ]
-    if not solved.contact.pushes:
-        parts.events.append((solved.load, {solved.number: -solved.side}, {}, 0))
     state = m.owner.index(i) if i in m.owner else None
     branches, name = Branches(zero, zero, -forwards, -backwards), m.equations.contacts[i]
     parts.contacts.append(
@@ -155,6 +153,11 @@ def add_solved(parts: Assembly, i: int, speeds: list[Sym | None]) -> SolvedLoad:
         parts.f[j] = graph.by_side(mode, a, a, held)
     parts.first_modes[i] = solved.decided(graph.by_side(m.slips[i], one, -one, zero))
     return solved
+
+
+def events_of_side(solved: SolvedLoad) -> list[tuple[Sym, dict[int, Sym], dict[int, Sym], int]]:
+    """Where a rail begins to press on its other side: behind the borders, where neither side may be right."""
+    return [] if solved.contact.pushes else [(solved.load, {solved.number: -solved.side}, {}, 0)]
 
 
 def events_of_border(solved: SolvedLoad, aloft: Sym | None) -> list[tuple[Sym, dict[int, Sym], dict[int, Sym], int]]:

@@ -162,6 +162,14 @@ def test_below_four_thirds_a_rod_slides_at_any_angle_and_beyond_it_a_run_begins_
     for method in ("auto", "dop853"):
         with pytest.raises(SolveError, match=r"at its start.*Painlevé.*smaller friction coefficient"):
             ss.solve(SlidingRod(1.0, 1.0, ss.Coulomb(1.34, 1.34)), duration=0.3, start=start, method=method)
+    # a cart whose rail presses on either side: N = N0 + mu N b with b = m sin a cos a / (M + m sin^2 a), to both sides from mu b = 1 on
+    start, sine, cosine = {"x": {"angle": 1.0}, "v": {"x": 2.0}}, np.sin(1.0), np.cos(1.0)
+    border = (M + BOB * sine**2) / (BOB * sine * cosine)
+    below, beyond = (CartPole(M, BOB, LENGTH, ss.Coulomb(mu, mu)) for mu in (border * (1 - 1e-6), border * (1 + 1e-6)))
+    assert ss.solve(below, duration=0.3, start=start).t[-1] > 0
+    for method in ("auto", "dop853"):
+        with pytest.raises(SolveError, match=r"at its start.*Painlevé"):
+            ss.solve(beyond, duration=0.3, start=start, method=method)
 
 
 def both(self, law=None):
