@@ -65,9 +65,7 @@ SHORTER = 4  # times that a step is shortened before it is refused
 SLACK = 2.0  # by how much less z may be slaved at a step's end
 CUTS = 20  # of a step in which an exponential rises too far
 NOTED = ("ratio", "tail", "t0", "hh", "top")  # of a step, where somebody looks
-NUMBERS = (
-    100  # in the series of a step that two vectors of lanes hold in turn; of more, registers hold those of one alone, in half the text
-)
+NUMBERS = 150  # in the series of a step that two vectors hold in turn; of more, registers hold those of one alone, in half the text
 TINY = 1e-14  # of the velocity scale: below it a velocity is zero
 
 
