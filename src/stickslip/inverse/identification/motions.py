@@ -217,8 +217,18 @@ class PrescribedMotion(Compared):
 
         A contact that is held is pushed to the side, and after each gap it comes from where that force is least or greatest.
         """
-        each = [(side * _PUSH * float(np.max(self.load)), *self.bridged(side)) for side in sides]
+        each = [(side * _PUSH * float(np.max(self.load)), *self._bridges(side)) for side in sides]
         return [driven_force(law, bridged, cases, reading, push)[own] for push, bridged, own in each]
+
+    def _bridges(self, side: float) -> tuple[PrescribedMotion, Any]:
+        """The same as `bridged`, made once."""
+        if side not in self._bridged:
+            self._bridged[side] = self.bridged(side)
+        return self._bridged[side]
+
+    @cached_property
+    def _bridged(self) -> dict[float, tuple[PrescribedMotion, Any]]:
+        return {}
 
     def bridged(self, side: float) -> tuple[PrescribedMotion, Any]:
         """The motion with a slow slide to a side (-1 or 1) in each gap, longer than any stroke, and which of its samples are compared.

@@ -128,6 +128,7 @@ class Strokes:
             begin, end = np.searchsorted(t, t[first] + lag - around), np.searchsorted(t, t[last] + lag + around, side="right")
             self.open[begin:end] = first
             self.passing[begin:end] = last - first <= _STAYS
+        self._kept: tuple[float, Any] | None = None
         self.steps = np.diff(t)
         usual, alone = self.steps < _GAP * step, self.of < 0
         self.within = np.zeros(count, bool)  # values whose neighbours are of the same stroke, and near
@@ -138,35 +139,44 @@ class Strokes:
 
     def delayed(self, h: Array, delay: float) -> Any:
         """Values of the strokes so much later, and what is open between them."""
-        left, part = self._places(delay)
-        off = part * (part - 1) * self.steps[left] ** 2
-        along = on_a_line(h, left, left + 1, part) + _beside(off, h) * self._bend(h, left, part)
-        return np.where(_beside(self.open >= 0, h), h[self.open], along)
+        left, part, here, next_ = self._places(delay)
+        bend, off = self._bend(h), part * (part - 1) * self.steps[left] ** 2
+        curved = _beside(off * here, h) * bend[left] + _beside(off * next_, h) * bend[left + 1]
+        return np.where(_beside(self.open >= 0, h), h[self.open], on_a_line(h, left, left + 1, part) + curved)
 
     def slope(self, h: Array, delay: float) -> Any:
         """The change of these with time."""
-        left, part = self._places(delay)
+        left, part, here, next_ = self._places(delay)
         held = (self.open >= 0) | (part <= -_BEFORE) | (part >= 1 + _BEFORE)
-        steps = self.steps[left]
-        return np.where(held, 0.0, (h[left + 1] - h[left]) / steps + (2 * part - 1) * steps * self._bend(h, left, part))
+        bend, steps = self._bend(h), self.steps[left]
+        curved = (2 * part - 1) * steps * (here * bend[left] + next_ * bend[left + 1])
+        return np.where(held, 0.0, (h[left + 1] - h[left]) / steps + curved)
 
-    def _bend(self, h: Array, left: Array, part: Array) -> Any:
-        """Half the second derivative of a curve within a stroke: a cubic through four values, or a parabola through three at its end."""
-        bend = np.zeros_like(h)
-        along = np.diff(h, axis=0) / _beside(self.steps, h)
+    def _bend(self, h: Array) -> Any:
+        """Half the second derivative of a parabola through each value and its neighbours."""
+        bend, along = np.zeros_like(h), np.diff(h, axis=0) / _beside(self.steps, h)
         bend[1:-1] = np.diff(along, axis=0) / _beside(self.t[2:] - self.t[:-2], h)
-        here, next_ = self.within[left] & (part >= 0), self.within[left + 1] & (part <= 1)
-        t, outer = self.t, np.minimum(left + 2, len(self.t) - 1)
-        share = (t[outer] - t[left] - part * self.steps[left]) / (t[outer] - t[np.maximum(left - 1, 0)])  # of the value here, in a cubic
-        share = np.where(here & next_, share, here)
-        return _beside(share, h) * bend[left] + _beside(np.where(here | next_, 1.0 - share, 0.0), h) * bend[left + 1]
+        return bend
 
-    def _places(self, delay: float) -> tuple[Any, Any]:
-        """The value before each instant, and how far that is on the way to the next one: of a straight line within the same stroke."""
+    def _places(self, delay: float) -> tuple[Any, Any, Any, Any]:
+        """Of each instant the value before it, how far it is on the way to the next one, and how much their bends count.
+
+        The curve is within the same stroke: a cubic through four values, or a parabola through three at its end. The last ones are kept.
+        """
+        kept = self._kept
+        if kept is None or kept[0] != delay:
+            self._kept = kept = delay, self._placed(delay)
+        return kept[1]
+
+    def _placed(self, delay: float) -> tuple[Any, Any, Any, Any]:
         t, at = self.t, self.t - delay
         left = np.clip(np.searchsorted(t, at, side="right") - 1, 0, len(t) - 2)
         run = np.maximum(self.of[left], self.of[left + 1])
         if len(self.runs):
             left = np.where(run < 0, left, np.where(at < self.middle[run], self.before[run], self.after[run]))
         part = (at - t[left]) / (t[left + 1] - t[left])
-        return left, np.where(run < 0, part, np.clip(part, -_BEFORE, 1 + _BEFORE))
+        part = np.where(run < 0, part, np.clip(part, -_BEFORE, 1 + _BEFORE))
+        first, last = np.maximum(left - 1, 0), np.minimum(left + 2, len(t) - 1)
+        here, next_ = self.within[left] & (part >= 0), self.within[left + 1] & (part <= 1)
+        share = np.where(here & next_, (t[last] - t[left] - part * self.steps[left]) / (t[last] - t[first]), here)
+        return left, part, share, np.where(here | next_, 1.0 - share, 0.0)
