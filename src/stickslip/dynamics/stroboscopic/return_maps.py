@@ -16,8 +16,7 @@ import numpy as np
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.status import Status
-from stickslip.dynamics.stroboscopic.flow_coordinates import ends_of_flow
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, Ends, map_method, spread_over
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, Ends, ends_of_flow, map_method, spread_over
 from stickslip.models.flow_contacts import modes_passed
 from stickslip.models.friction.law_adapter import SWITCHES
 from stickslip.models.machine_adapter import machine_of
