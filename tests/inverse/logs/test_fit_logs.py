@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 
 import numpy as np
 import pytest
@@ -317,6 +318,15 @@ def test_friction_of_a_servo_from_a_file_of_command_and_angle(tmp_path, capsys):
     exec(result.python, made)
     assert made["fit"].values == result.values and result.machine == "servo" and result.supported
     assert result.plot().get_xlabel().startswith("time")
+    table = np.genfromtxt(files[0], delimiter=",", names=True)[:200]  # an angle that is counted from another zero than its command
+    log = {"time_ms": table["time_ms"], "cmd_deg": table["cmd_deg"], "pos_deg": table["pos_deg"] + 6.0}
+    one = {"law": "m1", "starts": 1, "numbers": numbers | {"inertia": arms[0][0], "gravity_torque": arms[0][1]}}
+    plan = plan_of([ss.read(log)], {}, {}, None, one["numbers"])
+    said = plan.checked().doubt(plan.records, plan.given)  # what a fit asks for that no law explains
+    assert said.startswith("the command is -0.")
+    moved = ss.fit(log, sensor=eval(re.search(r"sensor=({.*})", said)[1]), **one)
+    goal, error = moved.fit.sensor["goal"]
+    assert moved.supported and abs(goal + np.radians(6.0)) < 3 * error < 0.01
 
 
 def test_a_law_of_a_fitted_log_is_exported_and_refused_in_amperes():

@@ -280,7 +280,7 @@ class CommandedProblem(OverParameters):
 
     def _angles(self, i: int, places: Any, reading: Mapping[str, Any]) -> Any:
         """Angles of one record: array (values, cases)."""
-        own = np.column_stack([np.broadcast_to(reading.get(what, 0.0), len(places)) for what in ("zero", "begin")])
+        own = np.column_stack([np.broadcast_to(reading.get(what, 0.0), len(places)) for what in ("zero", "begin", "goal")])
         keys = [(i, *map(float, at), *map(float, each)) for at, each in zip(places, own, strict=True)]
         new = list({key: k for k, key in enumerate(keys) if key not in self._motions}.values())
         if len(self._motions) > _KEPT * len(self.targets):
@@ -298,8 +298,8 @@ class CommandedProblem(OverParameters):
         good, batch = self._machines(i, places)
         if not good.any():
             return whole
-        zero, begin = own[good].T
-        shift = zero if target.role == "command" else np.zeros_like(zero)  # in either case a command for each place
+        zero, begin, goal = own[good].T
+        shift = zero + goal if target.role == "command" else np.zeros_like(zero)  # in either case a command for each place
         command = target.command - shift[:, None]
         self.solves += int(good.sum())
         try:

@@ -128,7 +128,9 @@ def identify(
         forces, one delay, where a record has values enough; ``{}`` is an ideal sensor. Otherwise a dict of effects: ``dict(offset=0.0,
         gain=("normal", 1.0, 0.02), drift=None)`` fixes the first, gives a prior for the second, and leaves the third free. Names: offset
         and drift [unit of the record, and that per second], gain, delay [s], and of forces preload [N] (besides the normal force) and
-        inertia [kg] of the parts between contact and sensor. ``"offset[0]"`` is that of the first record, ``"offset[:]"`` one for each.
+        inertia [kg] of the parts between contact and sensor; of angles under a command delay, zero [rad] (from the hanging position), begin
+        (the first angle beside the measured one), and goal where the command is counted from another zero than the angle, by so much.
+        ``"offset[0]"`` is that of the first record, ``"offset[:]"`` one for each.
     harmonics : float or dict, optional
         How well the harmonics of the drive are known that it has besides those of the model: the standard deviation of sine and cosine of
         the second and the third in parts of its amplitude, or a dict of it by order (``{2: 0.03, 4: 0.01}``); 0 for a drive that is exactly

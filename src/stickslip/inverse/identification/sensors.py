@@ -60,8 +60,9 @@ EFFECTS = {
     # where the zero of an encoder is, from the hanging position
     "zero": Effect(("angle",), 0.0, Distribution("normal", 0.0, 0.1), True, None, "rad"),
     "begin": Effect(("angle",), 0.0, None, True, ""),  # the angle at the first sample, beside the measured one
+    "goal": Effect(("angle",), 0.0, None, False, ""),  # where the command is counted from, beside the angle
 }
-_OF_THE_MODEL = ("preload", "start", "zero", "begin")
+_OF_THE_MODEL = ("preload", "start", "zero", "begin", "goal")
 _LATE = ("zero", "begin")  # small corrections, which the search leaves to the steps from its best place
 _PRESSED = 0.999  # of the least load, that a preload may take away
 _ENOUGH = 60  # values of a record that bear all numbers of its sensor

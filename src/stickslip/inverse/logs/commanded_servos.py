@@ -17,6 +17,7 @@ from stickslip.models.machines import PID, Joint, Motor, ServoLoad
 if TYPE_CHECKING:
     from stickslip.records.record import Record
 
+_APART = 0.1  # of its standard deviation, by which the mean of command less angle may be off zero
 _TORQUES = ("base", "viscous", "stribeck")
 _LOADS = ("motor", "external", "motor_stribeck", "external_stribeck")
 _FADING = ("stribeck", "v_s", "exponent")
@@ -61,6 +62,15 @@ class CommandedServo(Kind):
         """Numbers that nobody gave: name -> (value in words, why)."""
         return {"kd": ("0", "the controller has a gain on the angle alone"), "supply": ("no limit", "the voltage is not limited")}
 
+    def doubt(self, records: Sequence[Record], given: dict[str, Any]) -> str:
+        """Command and angle that are counted from different zeros differ in the mean."""
+        off = np.concatenate([_wanted(rec) for rec in records])
+        mean, spread = float(np.nanmean(off)), float(np.nanstd(off))
+        if abs(mean) < _APART * spread:
+            return ""
+        typed = 'sensor={"delay": None, "zero": None, "begin": None, "goal": None}'
+        return f"the command is {mean:.3g} rad beyond the angle in the mean: if both are counted from other zeros, type {typed}"
+
     def task(self, records: Sequence[Record], law: str, given: dict[str, Any], asymmetric: bool) -> Task:
         """How a law is fitted."""
         if asymmetric:
@@ -90,12 +100,17 @@ class CommandedServo(Kind):
         """The largest torque that the motor is asked for [N m], and the largest speed [rad/s]."""
         volts, speed = 0.0, 0.0
         for rec in records:
-            goal, angle = rec["command"], rec["position"]
-            wanted = np.interp(angle.time, goal.time, goal.si) - angle.si
-            volts = max(volts, float(given["kp"]) * float(np.nanmax(abs(wanted))))
+            angle = rec["position"]
+            volts = max(volts, float(given["kp"]) * float(np.nanmax(abs(_wanted(rec)))))
             slow = np.convolve(np.nan_to_num(angle.si), np.ones(9) / 9, "valid")
             speed = max(speed, float(np.nanmax(abs(np.gradient(slow, angle.time[4:-4])))))
         volts = min(volts, float(given.get("supply", math.inf)))
         if not volts > 0 or not speed > 0:
             raise InputError("fit", ["the angle is the command, or does not move; give the log of a servo that follows its command"])
         return volts * float(given["motor_constant"]) / float(given["resistance"]), speed
+
+
+def _wanted(rec: Record) -> Any:
+    """By how much the command is beyond each angle [rad]."""
+    goal, angle = rec["command"], rec["position"]
+    return np.interp(angle.time, goal.time, goal.si) - angle.si

@@ -129,7 +129,8 @@ def fit_plan(
     sides = "a coefficient for each direction" if asymmetric else "one coefficient for both directions"
     proposals.append(Proposal("symmetry", sides, "typed" if asymmetric else "unless asked", "" if asymmetric else "--asymmetric"))
     chosen = fits[best]
-    questions += [kind.doubt(given)] if faults(chosen) and not asymmetric and kind.doubt(given) else []
+    doubt = kind.doubt(records, given) if faults(chosen) and not asymmetric else ""
+    questions += [doubt] if doubt else []
     notes = tuple(
         dict.fromkeys(f"{'' if len(records) == 1 else f'record {i}: '}{note}" for i, rec in enumerate(records) for note in rec.notes)
     )

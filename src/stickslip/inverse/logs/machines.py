@@ -97,7 +97,7 @@ class Kind(ABC):
         """Numbers that nobody gave: name -> (value in words, why)."""
         return {}
 
-    def doubt(self, given: dict[str, Any]) -> str:
+    def doubt(self, records: Sequence[Record], given: dict[str, Any]) -> str:
         """What may be wrong where no law with one coefficient for both directions is supported, with what to type; mostly nothing."""
         return ""
 
@@ -301,7 +301,7 @@ class Shaken(Kind):
         defaults = {name: p.default for name, p in inspect.signature(piezo_rig).parameters.items()}
         return assumed | {name: (f"{defaults[name]:g} kg", "that of the paper's robot; type yours") for name in ("body_mass", "inner_mass")}
 
-    def doubt(self, given: dict[str, Any]) -> str:
+    def doubt(self, records: Sequence[Record], given: dict[str, Any]) -> str:
         """On a level track a robot gets ahead by a difference of the directions."""
         level = np.all(np.asarray(given.get("tilt_deg", 0.0)) == 0.0)
         return (
