@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.basics.fields import leaves
 from stickslip.basics.number_names import numbers_meant
 from stickslip.engine.kinds import kind_of
+from stickslip.engine.remembered import Remembered
 from stickslip.engine.symbolic import numbers_of
 from stickslip.models.naming import axis_of
 from stickslip.studies.models_of_points import batch_of
@@ -42,10 +43,15 @@ class Family:
     parameters: tuple[str, ...]
     fixed: dict[str, Any]
     what: str
+    _robots: Remembered[Any] = field(default_factory=lambda: Remembered(most=32), init=False, repr=False, compare=False)
 
     def robot(self, *values: float) -> Any:
-        """The robot at one point."""
-        arguments = {**self.fixed, **dict(zip(self.parameters, map(float, values), strict=True))}
+        """The robot at one point; equations with other unknowns beside its numbers ask for the same one again and again."""
+        at = tuple(map(float, values))
+        return self._robots(at, lambda: self._made(at))
+
+    def _made(self, values: tuple[float, ...]) -> Any:
+        arguments = {**self.fixed, **dict(zip(self.parameters, values, strict=True))}
         return made_model(self.what, self.make(**arguments) if callable(self.make) else self.make.replace(arguments))
 
     def robots(self, *values: Numeric) -> Any:
