@@ -220,7 +220,7 @@ def kind_of_cycle(patterns: Sequence[str], inner_states: bool) -> str:
 
 def _velocities(run: Trajectory, t: Array) -> Array:
     """Velocities of the bodies at some instants (time, body)."""
-    return np.asarray(run.at(t)["v"], float)
+    return np.asarray(run._states_at(t, run._index(t))[1], float)
 
 
 def _repeats(run: Trajectory, returns: Array, v: Array) -> tuple[int | None, float]:
@@ -244,13 +244,12 @@ def _repeats(run: Trajectory, returns: Array, v: Array) -> tuple[int | None, flo
 
 def _missed(run: Trajectory, begin: float, end: float) -> float:
     """How far the states at the end of a cycle are from those at its beginning, as a part of their swing."""
-    ends, v = run.at(np.array([begin, end])), _velocities(run, run.t)
-    x = np.asarray(ends["x"], float).reshape(2, -1)
-    z = np.asarray(ends["z"], float).reshape(2, -1) if ends["z"] is not None else np.zeros((2, 0))
-    rows, inner = np.column_stack([_velocities(run, np.array([begin, end])), x - x[:, :1], z]), np.max(abs(z), axis=0, initial=0.0)
-    way = np.full(x.shape[1], max(float(np.ptp(v)) * (end - begin), 1e-300))
-    sizes = np.concatenate([np.maximum(np.ptp(v, axis=0), 1e-300), way, np.where(inner > 0, inner, 1.0)])
-    return float(np.max(abs(rows[1] - rows[0]) / sizes))
+    ends = np.array([begin, end])
+    x, v, z = (np.asarray(of, float).reshape(2, -1) for of in run._states_at(ends, run._index(ends)))
+    swing, inner = np.maximum(np.ptp(run.v, axis=0), 1e-300), np.max(abs(z), axis=0, initial=0.0)
+    way = np.full(x.shape[1], max(float(np.ptp(run.v)) * (end - begin), 1e-300))
+    rows, sizes = np.column_stack([v, x - x[:, :1], z]), np.concatenate([swing, way, np.where(inner > 0, inner, 1.0)])
+    return float(np.nanmax(abs(rows[1] - rows[0]) / sizes))
 
 
 def _of_stretch(
@@ -296,7 +295,8 @@ def _turnings(run: Trajectory, t: Array, column: str, level: Array) -> list[Arra
 
 def _is_above(run: Trajectory, column: str, body: int, level: float, t: Array) -> Array:
     """Whether a column of a body is above a level at some instants."""
-    return np.asarray(run.at(t)[column], float).reshape(len(t), -1)[:, body] > level
+    values = _velocities(run, t) if column == "v" else np.asarray(run.at(t)[column], float).reshape(len(t), -1)
+    return np.asarray(values[:, body] > level)
 
 
 def _is_as_before(run: Trajectory, column: str, body: int, level: float, before: Array, t: Array) -> Array:
