@@ -79,6 +79,11 @@ def test_jumps_alone_tell_a_delay_to_a_sample_or_two():
     made = Strokes(t, np.where(np.arange(40) < 20, 1, -1), 1.3, 1.0)
     shown, within = made.delayed(t**2, 1.3), made.open < 0  # a parabola from the first to the last value of a stroke, within it a cubic
     assert shown[within][2:] == pytest.approx((t[within][2:] - 1.3) ** 2, rel=1e-12) and np.sum(~within) == 3
+    v = np.linspace(-1.0, 1.0, 100)  # noise leaves the direction open for 40 samples: of a motion that passes rest, and of one that rests
+    sides = np.where(abs(v) < 0.4, 0.0, np.sign(v))
+    for speeds, passes in ((abs(v), True), (np.where(abs(v) < 0.4, 0.02, abs(v)), False)):
+        whole = Strokes(np.arange(100.0), sides, 0.0, 1.0, speeds)
+        assert np.any(whole.passing) == passes and np.sum(whole.open >= 0) == 44
     assert made.delayed(t**3, 1.3)[[5, 10, 15, 30, 35]] == pytest.approx((t[[5, 10, 15, 30, 35]] - 1.3) ** 3, rel=1e-12)
 
 

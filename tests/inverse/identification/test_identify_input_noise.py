@@ -115,7 +115,8 @@ def test_what_other_noise_would_have_shown_is_as_far_off_as_the_motion_is():
     moved = information_of(fit.problem, fit.jacobian).inverse[:, : fit.count] @ fit.changes[:, 5]
     there = (again @ own) / (again @ again)  # of the slope over the other motion, in that over this one
     attenuated = 1 - float(moved[0] * fit.slopes[0]) / fit.values["viscous"]
-    assert attenuated == pytest.approx(there, rel=1e-5) and abs(there - 1) > 2e-3
+    # values of open direction count from three standard deviations on, some in a thousand of them: a thousandth of what is off
+    assert attenuated == pytest.approx(there, rel=1e-4) and abs(there - 1) > 2e-3
 
 
 def test_a_measured_velocity_is_used_where_it_agrees_with_the_position_and_named_where_not():

@@ -156,7 +156,8 @@ class PrescribedMotion(Compared):
     @cached_property
     def _strokes(self) -> strokes.Strokes:
         """The strokes of the values, with what is open between them where the force is late by `lag`."""
-        return strokes.Strokes(self.time, np.where(self.still, 0.0, np.sign(self.at))[self.compared], self.lag, self.step)
+        sides = np.where(self.still, 0.0, np.sign(self.at))[self.compared]
+        return strokes.Strokes(self.time, sides, self.lag, self.step, abs(self.at[self.compared]))
 
     @property
     def left_open(self) -> int:
@@ -179,7 +180,7 @@ class PrescribedMotion(Compared):
 
         The force is at its largest there, so that noise alone is beyond it every other time: static friction would be too large by it.
         """
-        return np.where(self._strokes.passing, _SPARED, 0.0) if self.rigid and self.lag else 0.0
+        return np.where(self._strokes.passing, _SPARED, 0.0) if self.rigid and (self.lag or self.still.any()) else 0.0
 
     def delayed(self, h: Array, delay: float) -> Any:
         """Values a little later: of a force that jumps where the motion turns those within the strokes, and what is open between them."""

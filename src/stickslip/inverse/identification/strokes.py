@@ -14,6 +14,7 @@ from stickslip.basics.contracts import Array
 
 _OPEN = 1.0  # samples on either side of a reversal that are open, besides those between which it is
 _ROUNDING = 1e-6  # of a sample
+_EVENLY = 0.35  # part of the samples about a rest that is passed whose speeds are above half of those at its ends
 _STAYS = 10  # samples from one direction to the other, more than which are a rest
 _BEFORE = 2.0  # intervals by which a line within a stroke reaches beyond its two values
 _GAP = 3.0  # times the usual time between values, over which nothing curved is taken between them
@@ -94,6 +95,14 @@ def _spline(t: Array, h: Array) -> Any:
     return CubicSpline(t, h)
 
 
+def _passes(speeds: Array | None, first: int, last: int) -> bool:
+    """Whether a motion whose noise leaves its direction open passes rest evenly: half of its speeds are above half of the largest then."""
+    if speeds is None:
+        return False
+    between = speeds[first : last + 1]
+    return bool(np.mean(between > 0.5 * max(between[0], between[-1])) > _EVENLY)
+
+
 class Strokes:
     """Values over strokes, some of them later than the motion.
 
@@ -107,6 +116,8 @@ class Strokes:
         By how much later than the reversals values are open [s].
     step : float
         Time between samples [s].
+    speeds : array (n,), optional
+        How fast the motion is there [m/s].
 
     Examples
     --------
@@ -117,7 +128,7 @@ class Strokes:
     [-0.5, 0.5, -9.0, -9.0, -9.0, -2.5, -3.5]
     """
 
-    def __init__(self, t: Array, sides: Array, lag: float, step: float):
+    def __init__(self, t: Array, sides: Array, lag: float, step: float, speeds: Array | None = None):
         self.t, count, around = t, len(t), (_OPEN + _ROUNDING) * step
         self.runs = runs(sides)
         self.of = np.full(count, -1)
@@ -127,7 +138,7 @@ class Strokes:
             self.of[first : last + 1] = number
             begin, end = np.searchsorted(t, t[first] + lag - around), np.searchsorted(t, t[last] + lag + around, side="right")
             self.open[begin:end] = first
-            self.passing[begin:end] = last - first <= _STAYS
+            self.passing[begin:end] = last - first <= _STAYS or _passes(speeds, first, last)
         self._kept: tuple[float, Any] | None = None
         self.steps = np.diff(t)
         usual, alone = self.steps < _GAP * step, self.of < 0
