@@ -73,9 +73,9 @@ def _least_at(path: Path, last: Point, value: float) -> dict[str, float]:
 
 
 def _slow_hit(orbit: PeriodicOrbit) -> str:
-    if not any(event.kind == "hit" for event in orbit.run.events):
+    mechanics = orbit.at.mechanics
+    if mechanics is None or not any(event.kind == "hit" for event in orbit.run.events):  # a flow has no stops
         return ""
-    machine, run = machine_of(orbit.model), orbit.run.with_axes
-    speed = float(machine.velocity_scale)
+    run, speed = orbit.run.with_axes, float(machine_of(orbit.model).velocity_scale)
     slow = [event.part for event in run.events if event.kind == "hit" and abs(event.velocity) < _SLOW * speed]
-    return next((f"the stop {name}" for name, _ in machine.mechanics.named_stops if name in slow), "") if slow else ""
+    return next((f"the stop {name}" for name, _ in mechanics.named_stops if name in slow), "") if slow else ""
