@@ -168,10 +168,20 @@ def whole_sentence(app: Sphinx, what: str, name: str, value: Any, options: Any, 
             lines[0] = f"{lines.pop(i).removeprefix(':type: ')}: {lines[0]}"
 
 
+def words_of_types(app: Sphinx, page: Any) -> None:
+    """Words in the types of parameters, such as "numbers" in "array (numbers,)", are no members of classes that have such a name."""
+    from sphinx.addnodes import pending_xref
+
+    for reference in list(page.findall(pending_xref)):
+        if reference.get("reftype") == "class" and reference["reftarget"].islower() and "." not in reference["reftarget"]:
+            reference.replace_self(reference.children)
+
+
 def setup(app: Sphinx) -> dict[str, bool]:
     """Pages before Sphinx looks for pages; tables and signatures as it reads."""
     app.connect("builder-inited", write_pages)
     app.connect("source-read", list_them)
     app.connect("autodoc-process-signature", signature)
     app.connect("autodoc-process-docstring", whole_sentence, priority=AFTER_NAPOLEON)
+    app.connect("doctree-read", words_of_types)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
