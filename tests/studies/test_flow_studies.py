@@ -37,6 +37,9 @@ def test_a_flow_without_names_begins_at_a_list():
     fall = ss.SwitchingFlow(lambda t, y, n: (y[1], -n.g), numbers={"g": 10.0})
     grid = ss.sweep(fall, g=[5.0, 10.0], start=[1.0, 0.0], duration=1.0)
     assert grid.end_y0.values == pytest.approx([-1.5, -4.0], rel=1e-14) and grid.end_y1.values == pytest.approx([-5.0, -10.0], rel=1e-14)
+    named = ss.sweep(fall, g=[5.0, 10.0], start={"y0": 1.0, "y1": 0.0}, duration=1.0)  # by the names of its columns
+    run = ss.solve(fall.replace(g=5.0), start={"y0": 1.0, "y1": 0.0}, duration=1.0)
+    assert named.end_y0.values.tolist() == grid.end_y0.values.tolist() and float(run.at(1.0)["y0"]) == named.end_y0.values[0]
     with pytest.raises(ss.InputError, match=r"start = 'top'; allowed is a dict, or a list of one number for each state"):
         ss.sweep(fall, g=[5.0, 10.0], start="top", duration=1.0)
     with ThreadPoolExecutor(2) as pool:

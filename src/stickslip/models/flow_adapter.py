@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
+
+import numpy as np
 
 from stickslip.basics.errors import InputError
 from stickslip.models.flow_contacts import resting_contacts
@@ -27,6 +30,7 @@ class FlowAdapter:
     has_bodies: bool = False
     has_tolerance: bool = False
     memories: int = 0  # that is its mode
+    numbers_by_case: bool = True
     turning_velocity: None = None
     unit_of_time: str = "unit of time"
     has_units: bool = False
@@ -46,6 +50,30 @@ class FlowAdapter:
             why = "its states have no names, so their number is not known; type states=('x', 'v') where it is made"
             raise InputError("SwitchingFlow", [why])
         return tuple(self.model.names(len(self.model.states) + len(self.model.inner)))
+
+    @property
+    def start_names(self) -> tuple[str, ...]:
+        """Names of what may be given of a start: its states."""
+        return tuple(self.model.states or ())
+
+    def column_names(self, start: Mapping[str, Any]) -> tuple[str, ...]:
+        """The columns of its cases, from the names of what is given of a start where its states have none."""
+        states = self.model.names((len(start) if self.model.states is None else len(self.model.states)) + len(self.model.inner))
+        names = [f"{what}_{name}" for what in ("mean", "min", "max", "end") for name in states]
+        names += ["end_mode", "switches", *(["mean_velocity"] if self.model.cyclic else [])]
+        return (*names, *(["period"] if self.model.period is not None else []))
+
+    def named_start(self, start: Any) -> dict[str, Any]:
+        """Initial values by name, from a dict or a list of one number for each state; `InputError` for anything else."""
+        if start is None or isinstance(start, dict):
+            return dict(start or {})
+        values = np.asarray(start, float) if isinstance(start, (list, tuple, np.ndarray)) else np.zeros(())
+        own, inner = self.model.states, self.model.inner
+        names = self.model.names((len(values) if values.ndim and own is None else len(own or ())) + len(inner))
+        if values.ndim != 1 or len(values) not in (len(names), len(own or names)):
+            allowed = "a dict, or a list of one number for each state; type start={'x': 0.1}"
+            raise InputError("start", [f"start = {start!r}; allowed is {allowed}"])
+        return {name: float(value) for name, value in zip(names, values, strict=False)}
 
     @property
     def sections(self) -> dict[str, float]:
@@ -81,3 +109,8 @@ class FlowAdapter:
     def laws(self) -> tuple[LawAdapter, ...]:
         """The laws of its contacts, of the first case where there are several."""
         return tuple(adapted(contact.law(*self.model.given_once)) for contact in self.model.contacts.values())
+
+    @property
+    def law_names(self) -> str:
+        """The names of its laws, each once."""
+        return " + ".join(dict.fromkeys(law.name for law in self.laws))

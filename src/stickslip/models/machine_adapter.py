@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -94,6 +94,26 @@ class MachineAdapter:
     @property
     def own_states(self) -> None:
         """Names that it gives its states itself: none, they follow from its bodies and contacts."""
+
+    @property
+    def start_names(self) -> tuple[str, ...]:
+        """Names of what may be given of a start: positions, velocities and inner states."""
+        return ("x", "v", "z")
+
+    @property
+    def numbers_by_case(self) -> bool:
+        """Whether the numbers of a batch come from whole runs, one case at a time: no, the cases go in lanes."""
+        return False
+
+    def column_names(self, start: Mapping[str, Any]) -> tuple[str, ...]:
+        """The columns that it names itself: none, they are those of bodies and contacts."""
+        return ()
+
+    def named_start(self, start: Any) -> dict[str, Any]:
+        """Initial values by name; `InputError` for what is no dict."""
+        if start is None or isinstance(start, dict):
+            return dict(start or {})
+        raise InputError("start", [f"start = {start!r}; allowed is a dict; type for example start=dict(v=0.01)"])
 
     @property
     def sections(self) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 from stickslip.models.flow_adapter import FlowAdapter
@@ -52,6 +52,24 @@ class ModelAdapter(Protocol):
     @property
     def own_states(self) -> tuple[str, ...] | None:
         """Names that it gives its states itself; None where they follow from bodies and contacts."""
+
+    @property
+    def start_names(self) -> tuple[str, ...]:
+        """Names of what may be given of a start, such as "v", or the states of a flow."""
+
+    def named_start(self, start: Any) -> dict[str, Any]:
+        """Initial values by name, from what is given as a start; `InputError` where it is none."""
+
+    @property
+    def numbers_by_case(self) -> bool:
+        """Whether the numbers of a batch come from whole runs, one case at a time."""
+
+    def column_names(self, start: Mapping[str, Any]) -> tuple[str, ...]:
+        """The columns of its cases that are named after its own states, for a start by name; none where they are of bodies and contacts."""
+
+    @property
+    def law_names(self) -> str:
+        """The names of its laws, each once: "Coulomb + LuGre"."""
 
     @property
     def sections(self) -> dict[str, float] | None:

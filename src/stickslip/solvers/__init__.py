@@ -19,6 +19,7 @@ mechanics in Python floats, which shares no line with the engine (`equations` in
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, Literal, overload
 
 from stickslip.basics.arguments import Model, explains_arguments
@@ -26,7 +27,7 @@ from stickslip.basics.interruption import accept_part, interruptible, is_asked_t
 from stickslip.results.summary import Summary
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers.methods import METHODS, method_for
-from stickslip.solvers.named_events import event_columns_of_cases, events_of_model, watching, with_events
+from stickslip.solvers.named_events import Watch, event_columns_of_cases, events_of_model, watching, with_events
 from stickslip.solvers.request import request
 from stickslip.solvers.settings import Settings
 
@@ -148,9 +149,12 @@ def solve(
 
 
 @interruptible
-def solved(model: Model, settings: Settings) -> Trajectory | Summary:
-    """The same as `solve`, of arguments that travel together."""
-    return _solved(model, settings)
+def solved(model: Model, settings: Settings, watch: Watch | None = None, left_out: float = 0.0) -> Trajectory | Summary:
+    """The same as `solve`, of arguments that travel together.
+
+    The cases of a batch are shown to `watch`, and without a period settle for the time `left_out` before their numbers.
+    """
+    return _solved(model, settings, watch, left_out)
 
 
 def events_of_cases(model: Model, settings: Settings) -> dict[str, Any]:
@@ -159,11 +163,13 @@ def events_of_cases(model: Model, settings: Settings) -> dict[str, Any]:
     return event_columns_of_cases(todo, events_of_model("solve", model, settings.events), method_for(todo.method, todo.model).run)
 
 
-def _solved(model: Model, settings: Settings) -> Trajectory | Summary:
+def _solved(model: Model, settings: Settings, watch: Watch | None = None, left_out: float = 0.0) -> Trajectory | Summary:
     with taking_some_cases():
         todo = request(model, settings)
+        if left_out:
+            todo = replace(todo, left_out=left_out)
         events, method = events_of_model("solve", model, settings.events), method_for(todo.method, todo.model, bool(todo.observe))
-        todo = watching(todo, events)
+        todo = watching(todo, events, watch)
         result = with_events(todo, method.run(todo), events, method.run)
         if todo.partial and is_asked_to_end() and result.interrupted:
             accept_part()

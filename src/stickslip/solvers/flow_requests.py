@@ -138,15 +138,16 @@ def _listed_starts(flow: Any, start: Any, labels: Labels, problems: Problems) ->
 
 
 def _named_starts(flow: Any, start: Any, labels: Labels, problems: Problems) -> tuple[Array, dict[str, Array]]:
-    if flow.states is None:
+    states = flow.states or flow.names(len(start))[: len(start) - len(set(flow.inner) & set(start))]
+    if flow.states is None and not set(states) <= set(start):
         problems.add(
             f"start = {start!r}, but the states of the flow have no names; type start=[0.5, 0.0], or give the flow states=('x', 'v')"
         )
         return np.zeros((labels.cases, 1)), {}
-    table, inner = np.zeros((labels.cases, len(flow.states))), {}
+    table, inner = np.zeros((labels.cases, len(states))), {}
     for name, value in start.items():
-        if name not in (*flow.states, *flow.inner):
-            problems.add(f"start has no {name!r}; {did_you_mean(str(name), (*flow.states, *flow.inner))}")
+        if name not in (*states, *flow.inner):
+            problems.add(f"start has no {name!r}; {did_you_mean(str(name), (*states, *flow.inner))}")
             continue
         try:
             column = spread_over_cases(number(value), labels)
@@ -156,7 +157,7 @@ def _named_starts(flow: Any, start: Any, labels: Labels, problems: Problems) -> 
         if name in flow.inner:
             inner[name] = np.broadcast_to(column, (labels.cases,)) + 0.0
         else:
-            table[:, flow.states.index(name)] = column
+            table[:, states.index(name)] = column
     if not np.isfinite(table).all():
         problems.add(f"start = {start!r} has numbers that are not finite")
     return table, inner

@@ -64,7 +64,7 @@ def run_of_parts(todo: Request, flow: Any, parts: list[FlowSolution]) -> FlowRun
 def _summary(todo: Request) -> Summary:
     rows: list[dict[str, Any]] = []
     failures: dict[tuple[int, ...], str] = {}
-    settled = todo.settle * todo.span
+    settled = todo.settle * todo.span + todo.left_out
     with partial_result() as ending:
         for k, flow in enumerate(cases_of(todo.model)):
             look()

@@ -6,7 +6,7 @@ end before their time, are run once more by themselves.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -23,8 +23,6 @@ from stickslip.results.trajectory import Trajectory
 from stickslip.solvers.gather import trajectory
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from stickslip.results.summary import Summary
     from stickslip.solvers.settings import Request
 
@@ -36,11 +34,14 @@ def events_of_model(what: str, model: Any, events: Any) -> dict[str, Crossing]:
     return checked_crossings(what, events, adapter_of(model).event_names)
 
 
+Watch = Callable[[int, Trajectory | None], Any]  # takes the number of a case and its run, None where it could not be followed
+
+
 class Watched:
     """The events of a batch, and what is known of them: rows of columns by case."""
 
-    def __init__(self, todo: Request, events: Mapping[str, Crossing]):
-        self.todo, self.events = todo, events
+    def __init__(self, todo: Request, events: Mapping[str, Crossing], watch: Watch | None = None):
+        self.todo, self.events, self.watch = todo, events, watch
         self.rows: dict[int, dict[str, Any]] = {}
 
     def note(self, k: int, method: str, pieces: Any, status: int) -> None:
@@ -56,11 +57,14 @@ class Watched:
     def note_run(self, k: int, run: Trajectory | None) -> None:
         """The same of its run; None where it could not be followed."""
         self.rows[k] = lacking_columns(self.events) if run is None else event_columns(run, self.events)
+        if self.watch is not None:
+            self.watch(k, run)
 
 
-def watching(todo: Request, events: Mapping[str, Crossing]) -> Request:
-    """The request, with events that are looked for as its cases are solved."""
-    return replace(todo, watched=Watched(todo, events)) if events and todo.keep == "summary" and not todo.auto else todo
+def watching(todo: Request, events: Mapping[str, Crossing], watch: Watch | None = None) -> Request:
+    """The request, with events that are looked for as its cases are solved; and who is shown them."""
+    asked = (events or watch is not None) and todo.keep == "summary" and not todo.auto
+    return replace(todo, watched=Watched(todo, events, watch)) if asked else todo
 
 
 def with_events(todo: Request, result: Any, events: Mapping[str, Crossing], run: Callable[[Request], Any]) -> Any:

@@ -89,6 +89,7 @@ class Request:
     flat: MachineAdapter | None = None  # of a batch of machines: its numbers are columns of the cases
     modes: Any = ()  # in which the cases of a flow begin
     equations: Any = None  # of a flow, traced
+    left_out: float = 0.0  # time for which the cases of a flow without a period settle before their numbers
     watched: Any = None  # of a batch with a user's events: what takes note of each case's dense output (`named_events.Watched`)
 
     @property

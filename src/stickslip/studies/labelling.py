@@ -11,23 +11,22 @@ import numpy as np
 
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError
-from stickslip.basics.fields import field_description
+from stickslip.basics.fields import field_description, leaves
 from stickslip.basics.fingerprints import fingerprint
 from stickslip.basics.jsontext import as_plain
 from stickslip.basics.quantities import axis_in
 from stickslip.basics.variables import VARIABLES, unit_of
 from stickslip.models.angular_coordinates import angles_of, unit_of_part
-from stickslip.models.machine_adapter import machine_of
+from stickslip.models.model_adapter import adapter_of, is_model
 from stickslip.models.naming import axis_of
 from stickslip.models.observables import Derived
 from stickslip.models.presets import DIMENSIONLESS
 from stickslip.results.datasets import column_description
 from stickslip.solvers.named_events import column_of
 from stickslip.solvers.request import versions
-from stickslip.studies.flow_sweeps import described_columns
 from stickslip.studies.models_of_points import shared_numbers
 from stickslip.studies.planning import Plan
-from stickslip.studies.result_columns import COLUMNS, base_of, dim_of, unflattened
+from stickslip.studies.result_columns import COLUMNS, attributes_of_column, base_of, dim_of, unflattened
 from stickslip.studies.solving import kept_columns
 from stickslip.studies.space import Column
 
@@ -51,7 +50,7 @@ def provenance_of(plan: Plan) -> dict[str, Any]:
         {"events": {name: fingerprint(each).digest for name, each in plan.options["events"].items()}} if plan.options.get("events") else {}
     )
     kinds = {} if plan.sample is None else {"model": type(plan.sample).__name__}
-    kinds |= {} if plan.sample is None or plan.of_flow else {"law": machine_of(plan.sample).law_names}
+    kinds |= {} if plan.sample is None or plan.own else {"law": adapter_of(plan.sample).law_names}
     return {"versions": known, "settings": settings, "kinds": kinds, **plan.space.attributes}
 
 
@@ -71,8 +70,8 @@ def coordinates_of_grid(plan: Plan) -> dict[str, Column]:
     for name, value in plan.space.fixed.items():
         if isinstance(value, (int, float, np.number)) and not isinstance(value, bool) and name not in (*labels, *COLUMNS):
             labels[name] = Column((), np.asarray(float(value)))
-    if plan.of_flow and not callable(plan.make):
-        labels |= {n: Column((), np.asarray(float(v))) for n, v in plan.make.numbers.items() if n not in labels and np.ndim(v) == 0}
+    if is_model(plan.make) and not adapter_of(plan.make).has_units:  # no study file has its numbers
+        labels |= {n: Column((), np.asarray(float(v))) for n, v in leaves(plan.make) if n not in labels and np.ndim(v) == 0}
     return labels
 
 
@@ -108,7 +107,7 @@ def _unit_of(name: str, model: Any, parts: Mapping[str, Iterable[str]]) -> str:
 
 def _described(plan: Plan, numbers: Iterable[str]) -> dict[str, tuple[str, str]]:
     """Names and units of axes and shared numbers, as far as fields and makers give them."""
-    if plan.of_flow:  # its numbers have no units
+    if plan.sample is not None and not adapter_of(plan.sample).has_units:
         return {}
     axes = {name: axis_of(name, plan.make) for name in coordinates_of_grid(plan)}
     if plan.sample is not None:
@@ -145,7 +144,7 @@ def user_columns(plan: Plan) -> dict[str, dict[str, str]]:
     for name in plan.options.get("events") or {}:
         known[column_of("first", name)] = {"units": "s", "long_name": f"first instant of {name}"}
         known[column_of("number", name)] = {"units": "1", "long_name": f"how often {name} happens"}
-    return described_columns(plan.own) | known
+    return {name: attributes_of_column(name) for name in plan.own if name not in COLUMNS} | known
 
 
 def _slope_unit(plan: Plan, slope: Derived) -> str:

@@ -21,11 +21,12 @@ from stickslip.basics.fields import leaves
 from stickslip.basics.fingerprints import Fingerprint, fingerprint
 from stickslip.engine.equation_identity import equation_hash
 from stickslip.models.machine_adapter import machine_of
+from stickslip.models.model_adapter import adapter_of
 from stickslip.models.observables import by_time_of_computation as parted_observables
 from stickslip.solvers.methods import SLOW
 from stickslip.solvers.plain.composed_flows import composed
 from stickslip.studies.models_of_points import Group, Made, groups_of_points, split_by_tile, starts_at
-from stickslip.studies.space import Column, Space, names_states
+from stickslip.studies.space import Column, Space
 
 if TYPE_CHECKING:
     from stickslip.models.switching_flow import SwitchingFlow
@@ -235,7 +236,7 @@ def _plain_values(model: Any) -> list[str]:
     values: list[str] = []
     try:
         model = cases_of(model)[0]
-        if names_states(model):
+        if adapter_of(model).numbers_by_case:
             return _values_of_flow(model)
         machine = machine_of(model)
         for law in machine.laws:

@@ -109,6 +109,11 @@ def starts_at(start: dict[str, Any], places: Array) -> dict[str, Any]:
     return {name: value if np.ndim(value) == 0 else value[places] for name, value in start.items()}
 
 
+def start_of_points(space: Space, start: dict[str, Any], points: Array) -> dict[str, Any]:
+    """Initial values at some points: those given for all points, and those that are axes."""
+    return starts_at(start, points) | _own_start(space.at(points), space.fixed, np.arange(len(points)))
+
+
 def _own_start(columns: dict[str, Array], fixed: dict[str, Any], places: Array) -> dict[str, Any]:
     """Initial values that are axes."""
     varying = {n.partition(".")[2]: values[places] for n, values in columns.items() if is_start(n)}

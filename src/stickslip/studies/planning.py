@@ -14,17 +14,15 @@ from stickslip.basics.batch import Labels, cases_of, some_of, spread_over_cases
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.variables import VARIABLES
-from stickslip.models.machine_adapter import machine_of
-from stickslip.models.model_adapter import adapter_of
+from stickslip.models.model_adapter import adapter_of, is_model
 from stickslip.models.observables import by_time_of_computation, checked_observables
 from stickslip.solvers.methods import SLOW
 from stickslip.solvers.named_events import column_of, events_of_model, refuse_terminal
 from stickslip.solvers.settings import Settings
-from stickslip.studies.flow_sweeps import begun_at, own_columns, settings_of_flow, start_of_flow
-from stickslip.studies.models_of_points import groups_of_points, refusals, starts_at
+from stickslip.studies.models_of_points import groups_of_points, refusals, start_of_points, starts_at
 from stickslip.studies.result_columns import COLUMNS, part_columns
-from stickslip.studies.self_excited import settled_after
-from stickslip.studies.space import Column, Space, is_start, names_states, space_of
+from stickslip.studies.self_excited import names_of_cycles, settled_after
+from stickslip.studies.space import Column, Space, names_columns, space_of
 
 #: Arguments of `solve` that a sweep passes on, with their defaults in a sweep.
 SOLVER: dict[str, Any] = {
@@ -119,20 +117,18 @@ class Plan:
         """Names of the bodies, contacts and stops of the first machine by dimension; empty for one body on one contact."""
         return {} if self.sample is None else adapter_of(self.sample).part_names
 
-    @property
-    def of_flow(self) -> bool:
-        """Whether its models have states of their own instead of bodies."""
-        return self.sample is not None and names_states(self.sample)
-
     @cached_property
     def own(self) -> tuple[str, ...]:
-        """The columns of a flow; none of a machine, which has those of `COLUMNS`."""
-        return own_columns(cases_of(self.sample)[0], self.start, self.options) if self.of_flow else ()
+        """The columns that are named after the states of the models; none of machines, which have those of `COLUMNS`."""
+        names = () if self.sample is None else adapter_of(self.sample).column_names(self.start)
+        if names and settled_after("sweep", self.sample, self.options["settle"], self.options["duration"]) is not None:
+            names = (*names, *names_of_cycles(names, self.sample.modes))
+        return (*names, "status") if names else ()
 
     @cached_property
     def columns(self) -> tuple[str, ...]:
         """The stored columns, with a separate one for each part."""
-        if self.of_flow:
+        if self.own:
             return (*self.own, *(name for name in self.observed if name not in self.own))
         return (*(each for name in COLUMNS for each in part_columns(name, self.parts)), *self.observed)
 
@@ -162,7 +158,7 @@ def planned(
     """Check all arguments of a sweep, and divide it into tiles."""
     space = space_of(make, designs, axes, [*_ARGUMENTS])
     problems = Problems("sweep")
-    taken = () if names_states(make) else tuple(name for name in COLUMNS if not name.startswith("alpha_"))
+    taken = () if names_columns(make) else tuple(name for name in COLUMNS if not name.startswith("alpha_"))
     for name in (n for n in dict.fromkeys([*space.columns, *space.dims]) if n in taken):
         problems.add(f"{name} is the name of a result, so no axis may have it; give the maker's argument another name")
     for sentence in refusals(make, space):
@@ -171,10 +167,9 @@ def planned(
         problems.add(f"continue_along = {along!r} is not an axis; allowed is one of {', '.join(space.dims) or 'none: there is no axis'}")
     if tile is not None:
         problems.whole("tile", tile, 1, example=4096, what=" of cases")
-    if names_states(make):
-        start = start_of_flow(make, start, problems)
-        problems.add("continue_along is not known of a flow; leave it out") if along is not None else None
-    starts = _starts(start, space, problems)
+    if names_columns(make) and along is not None:
+        problems.add("continue_along is not known of a flow; leave it out")
+    starts = _starts(make, start, space, problems)
     problems.check()
     plan = Plan(make, space, options, starts, along, 1)
     for name in (n for n in dict.fromkeys([*space.columns, *space.dims]) if n in plan.parts):
@@ -198,19 +193,23 @@ def _tile(plan: Plan) -> int:
     """A tile size that depends only on the study, so that it can be resumed with a different number of workers."""
     if plan.along:
         return max(1, min(plan._units, 4096 // plan.space.sizes[plan.along] or 1, 256))
-    if plan.of_flow:
-        return _SLOW
-    slow = plan.sample is not None and (plan.options["method"] in SLOW or not all(law.compiles for law in machine_of(plan.sample).laws))
+    model = None if plan.sample is None else adapter_of(plan.sample)
+    slow = model is not None and (model.numbers_by_case or plan.options["method"] in SLOW or not all(law.compiles for law in model.laws))
     return _SLOW if slow else min(_LARGEST, max(_SMALLEST, plan.cases // 64))
 
 
-def _starts(start: Any, space: Space, problems: Problems) -> dict[str, Any]:
+def _starts(make: Any, start: Any, space: Space, problems: Problems) -> dict[str, Any]:
     """Initial values as a number, or as one for each point."""
-    if start is not None and not isinstance(start, dict):
+    if start is not None and not isinstance(start, dict) and not is_model(make):
         problems.add(f"start = {start!r}; allowed is a dict; type for example start=dict(v=0.01)")
         return {}
+    try:
+        named = adapter_of(make).named_start(start) if is_model(make) else dict(start or {})
+    except InputError as error:
+        problems.include(error)
+        return {}
     starts: dict[str, Any] = {}
-    for name, value in (start or {}).items():
+    for name, value in named.items():
         starts[name] = value
         if np.ndim(value) == 0:
             continue
@@ -242,14 +241,11 @@ def _check_options(plan: Plan) -> None:
             raise InputError("sweep", list(dict.fromkeys(refused.values())) or ["no robot can be made"])
         return
     settle = settled_after("sweep", plan.sample, plan.options["settle"], plan.options["duration"])
-    if plan.of_flow:
-        first = cases_of(plan.sample)[0]
-        axes = {name.partition(".")[2]: values for name, values in plan.space.at(np.array([0])).items() if is_start(name)}
-        axes |= {name.partition(".")[2]: value for name, value in plan.space.fixed.items() if is_start(name)}
-        start = starts_at(plan.start, np.array([0])) | axes
-        request(first, replace(settings_of_flow(plan.options, settle), start=begun_at(first, start), keep="summary"))
-        return
     options = plan.options if settle is None else {**plan.options, "settle": "auto"}
+    if plan.own:  # whose modes, and how many states there are, may follow from the start
+        start = start_of_points(plan.space, plan.start, np.array([0]))
+        request(cases_of(plan.sample)[0], settings_of(options, keep="summary", start=one_start(start, 0)))
+        return
     request(plan.sample, settings_of(options, keep="summary"))
     if plan.along is not None:
         from stickslip.studies.following import unfollowed
@@ -265,4 +261,10 @@ def settings_of(options: dict[str, Any], **more: Any) -> Settings:
     settings = Settings(**{**known, "observe": by_time_of_computation(options.get("observe"))[0] or None}, **more)
     if settings.duration is None:
         return settings
-    return replace(settings, periods=None, settle=None if settings.settle == "auto" else settings.settle)
+    periods = None if settings.periods == SOLVER["periods"] else settings.periods
+    return replace(settings, periods=periods, settle=None if settings.settle == "auto" else settings.settle)
+
+
+def one_start(start: dict[str, Any], k: int) -> dict[str, Any] | None:
+    """The initial values of one case; None where none are given."""
+    return {name: float(np.ravel(value)[k if np.ndim(value) else 0]) for name, value in start.items()} or None

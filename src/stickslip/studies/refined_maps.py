@@ -71,7 +71,7 @@ def map(make: Maker, refine: bool = False, coarse: int = 33, **arguments: Any) -
     options = {name: arguments.pop(name, default) for name, default in SOLVER.items()}
     plan = planned(make, (), arguments, start, along, tile, **options)
     _check_plane(plan)
-    if refine and plan.of_flow:
+    if refine and plan.own:
         raise InputError("map", ["refine=True looks for borders of motion types, which a flow has not; leave it out"])
     if not refine:
         return carried_out(plan, Execution(tile=tile, **how))

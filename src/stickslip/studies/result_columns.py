@@ -107,6 +107,24 @@ def is_of_cases(grid: xr.Dataset, name: str) -> bool:
     return name in grid.variables and set(grid[name].dims) <= set(grid["mean_velocity"].dims if "mean_velocity" in grid else grid.dims)
 
 
+def attributes_of_column(name: str) -> dict[str, str]:
+    """The attributes of a column that is named after a state or a mode.
+
+    Examples
+    --------
+    >>> attributes_of_column("amplitude_height")["long_name"]
+    'half of the range of height in a cycle'
+    """
+    what, _, state = name.partition("_")
+    long = {
+        "amplitude": f"half of the range of {state} in a cycle",
+        "fraction": f"part of the time in mode {state}",
+        "mean": f"mean of {state}", "min": f"smallest {state}", "max": f"largest {state}", "end": f"{state} at the end",
+        "switches": "number of switches", "first": f"first instant of {state}", "number": f"how often {state} happens",
+    }  # fmt: skip
+    return {"long_name": long.get(what, f"{what} {state}"), "units": "1"}
+
+
 def column_type(name: str) -> str:
     """Type of a column in memory."""
     return COLUMNS.get(base_of(name), _WHOLE.get(name, "f8"))  # user-defined columns are numbers

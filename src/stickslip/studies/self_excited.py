@@ -114,9 +114,16 @@ def _word(m: Oscillation, contact: str) -> str:
     return "stick-slip" if m.contacts[contact].stick_fraction > 0 else "slip"
 
 
-def flow_motion_columns(run: Any, settle: float, modes: Iterable[Any]) -> dict[str, Any]:
+def flow_motion_columns(run: Any, settle: float) -> dict[str, Any]:
     """The same of a run of a flow, with the fraction of the time in each mode."""
     m: FlowMotion = flow_motion(run, settle)
     columns: dict[str, Any] = {"motion_type": m.type, "period": m.period or 0, "duration": m.duration}
     columns |= {f"amplitude_{name}": size for name, size in m.amplitudes.items()}
-    return columns | {f"fraction_{mode}": m.modes.get(mode, 0.0) for mode in modes}
+    return columns | {f"fraction_{mode}": m.modes.get(mode, 0.0) for mode in run.model.modes}
+
+
+def names_of_cycles(columns: Iterable[str], modes: Iterable[Any]) -> tuple[str, ...]:
+    """Their names, for a flow with these columns and modes."""
+    known = tuple(columns)
+    states = [name for name in (each.partition("_")[2] for each in known if each.startswith("end_")) if f"max_{name}" in known]
+    return ("period", "motion_type", "duration", *(f"amplitude_{name}" for name in states), *(f"fraction_{mode}" for mode in modes))

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from stickslip.analysis.motion import coulomb_twin
-from stickslip.basics.batch import numbers_by_name, shape_of, some_of
+from stickslip.basics.batch import cases_of, numbers_by_name, shape_of, some_of
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import leaves, replace_leaf
+from stickslip.basics.pool import handed_out
 from stickslip.basics.status import Status
 from stickslip.basics.variables import VARIABLES
 from stickslip.engine.closed_arc_conditions import steady_force
@@ -28,13 +29,11 @@ from stickslip.solvers.methods import takes_closed_arcs
 from stickslip.solvers.named_events import lacking_columns
 from stickslip.solvers.request import request
 from stickslip.solvers.settings import Settings
-from stickslip.studies.flow_sweeps import columns_of_flows
 from stickslip.studies.model_identity import ModelIdentities
 from stickslip.studies.models_of_points import Group, groups_of_points, starts_at
-from stickslip.studies.planning import Plan, settings_of
-from stickslip.studies.result_columns import COLUMNS, END, concatenated, empty, flattened, with_missing_cases
-from stickslip.studies.self_excited import OF_CYCLES, motion_columns, settled_after
-from stickslip.studies.space import names_states
+from stickslip.studies.planning import Plan, one_start, settings_of
+from stickslip.studies.result_columns import COLUMNS, END, concatenated, empty, flattened, unknown, with_missing_cases
+from stickslip.studies.self_excited import OF_CYCLES, flow_motion_columns, motion_columns, settled_after
 
 ALPHAS = ("alpha_plus", "alpha_minus")
 #: Columns that exist only for machines of one body on one contact.
@@ -108,7 +107,7 @@ def _solved_groups(
 
 def kept_columns(plan: Plan) -> tuple[str, ...]:
     """The columns that apply to the robots of a plan."""
-    if plan.of_flow:
+    if plan.own:
         return plan.columns
     machine = None if plan.sample is None else machine_of(plan.sample)
     cycles = settled_after("sweep", plan.sample, plan.options["settle"], plan.options["duration"]) is not None
@@ -187,12 +186,12 @@ def columns_of(
     Notes on the cases are counted in `notes`.
     """
     count = max([1, *shape_of(robot), *(len(v) for v in start.values() if np.ndim(v))])
-    if names_states(robot):
-        return columns_of_flows(robot, start, options, workers, count)
-    if not shape_of(robot) and any(np.ndim(v) for v in start.values()):  # one robot from several initial states
-        robot = replace_leaf(robot, {name: np.full(count, value) for name, value in leaves(robot)})
     settle, events = settled_after("sweep", robot, options["settle"], options["duration"]), options.get("events")
     options = options if settle is None else {**options, "settle": "auto", "events": None}
+    if adapter_of(robot).numbers_by_case:
+        return _case_by_case(robot, start, {**options, "events": events}, settle, workers, count)
+    if not shape_of(robot) and any(np.ndim(v) for v in start.values()):  # one robot from several initial states
+        robot = replace_leaf(robot, {name: np.full(count, value) for name, value in leaves(robot)})
     many, more = (solver or _summary)(robot, start, options, workers, tell)
     if notes is not None:
         notes.update(notes_of_cases(many.model, many.columns))
@@ -213,6 +212,28 @@ def columns_of(
         columns_kept |= {name: values if names else np.reshape(values, len(values)) for name, values in of_motions.items()}
     ends = {name: values for name, values in more.items() if name.startswith(END)}
     return {each: of for name, values in columns_kept.items() for each, of in flattened(name, values, names).items()} | ends
+
+
+def _case_by_case(
+    robot: Model, start: dict[str, Any], options: dict[str, Any], settle: float | None, workers: int, count: int
+) -> dict[str, Array]:
+    """The columns of cases whose numbers come from whole runs, which threads share; with `settle` those of their motions after it too."""
+    cases, rows = cases_of(robot) if shape_of(robot) else [robot] * count, list[dict[str, Any]]([{}] * count)
+    settings = replace(settings_of(options, keep="summary"), events=options["events"])
+
+    def columns(k: int) -> dict[str, Any]:
+        motions: dict[str, Any] = {}
+        watch = None if settle is None else lambda _, run: motions.update(flow_motion_columns(run, settle) if run is not None else {})
+        try:
+            one: Any = solved_as_asked(cases[k], replace(settings, start=one_start(start, k)), watch, settle or 0.0)
+        except InputError:
+            return {"status": Status.BAD_INPUT}
+        return {**one.columns, **motions}
+
+    for k, row in handed_out(columns, range(count), workers):
+        rows[k] = row
+    names = dict.fromkeys(name for row in rows for name in row)
+    return {name: np.array([row.get(name, unknown(name, 1)[0]) for row in rows]) for name in names}
 
 
 def _of_events(robot: Model, start: dict[str, Any], options: dict[str, Any]) -> dict[str, Any]:

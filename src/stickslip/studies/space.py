@@ -18,7 +18,7 @@ from stickslip.models.model_adapter import adapter_of, is_model
 from stickslip.models.naming import in_its_unit
 from stickslip.studies.designs import SweepDesign
 
-#: Initial values that may also be axes.
+#: Initial values that may also be axes, of what a maker makes.
 START = ("start.x", "start.v", "start.z")
 
 
@@ -197,9 +197,14 @@ def _as_array(array: Array, given: Any = None) -> Array:
     return words
 
 
-def names_states(make: Any) -> bool:
-    """Whether a maker is a model with states of its own instead of bodies, by which its start is named."""
-    return is_model(make) and not adapter_of(make).has_bodies
+def starts_known(make: Any) -> tuple[str, ...]:
+    """Names of the initial values that may be axes."""
+    return tuple(f"start.{name}" for name in adapter_of(make).start_names) if is_model(make) else START
+
+
+def names_columns(make: Any) -> bool:
+    """Whether a maker is a model whose columns are named after its own states."""
+    return is_model(make) and bool(adapter_of(make).column_names({}))
 
 
 def check_names(make: Any, given: Sequence[str], options: Sequence[str], problems: Problems) -> None:
@@ -208,7 +213,7 @@ def check_names(make: Any, given: Sequence[str], options: Sequence[str], problem
     if known is None:
         return
     for name in given:
-        starts = () if names_states(make) else START
+        starts = starts_known(make)
         if name not in known and name not in starts and (callable(make) or not numbers_meant(name, known)):
             hint = other_words(name, None, known) or other_options(name, options) or did_you_mean(name, [*known, *options, *starts])
             problems.add(f"{name!r} is not known; {hint}")
@@ -216,13 +221,11 @@ def check_names(make: Any, given: Sequence[str], options: Sequence[str], problem
 
 def _known(make: Any, given: Sequence[str], problems: Problems) -> list[str] | None:
     """Names that a maker takes; None if it takes any."""
-    if names_states(make):
-        return [*(name for name, _ in leaves(make)), *(f"start.{name}" for name in make.states or ())]
     if not callable(make):
         if not hasattr(make, "replace"):
             problems.add(f"make = {make!r}; allowed is a Robot or a function that makes one; type for example ss.presets.piezo_rig")
             return None
-        return [name for name, _ in leaves(make)] + ["drive", "friction", "track"]
+        return [name for name, _ in leaves(make)] + [part for part in ("drive", "friction", "track") if not names_columns(make)]
     parameters = parameters_of(make)
     for p in parameters:
         if p.default is p.empty and p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY) and p.name not in given:

@@ -44,7 +44,7 @@ class AtlasStudy:
         self._planes = [plane]
         if self.folder is not None:
             plan = _plan_of(plane, look)
-            if plan.of_flow:
+            if plan.own:
                 why = "out is not known of a flow, whose functions no file holds"
                 raise InputError("atlas", [f"{why}; leave it out: the atlas is kept in memory"])
             self._models = ModelIdentities(plan, 1)
