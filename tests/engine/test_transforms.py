@@ -9,11 +9,11 @@ import pytest
 
 import problems
 import stickslip as ss
+from engine.transformed_systems import mirrored, shifted
 from problems import chain
 from stickslip.engine import lanes, tableaux
 from stickslip.engine.tangent import with_observables
 from stickslip.engine.trace import trace
-from stickslip.engine.transforms import mirrored, shifted
 from stickslip.models.machine_adapter import machine_of
 from stickslip.solvers.lane_tables import CaseTable
 

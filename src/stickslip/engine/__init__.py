@@ -5,7 +5,7 @@
   makes one of a hand-written flow. `refused` says which machines the compiled methods do not take, and why. Whether positions
   count only as differences, whether arcs are closed and what a series needs is asked of the graph.
 - Transforms make a new system of one: `tangent` (derivatives along directions of starts and numbers, with their jumps at
-  switches), volumes, observables, `transforms` (the mirror image, another drive phase).
+  switches), volumes, observables.
 - Methods: closed arcs (`closed_arc_conditions`), Taylor series (`rows`, `taylor`, `long_series`, `linear_systems`, `slaved`,
   `slaved_pieces`, `slaving`, `unforeseen`), Rosenbrock steps (`tableaux`), fixed steps.
 - Rows of many bodies (`force_tables`, `local_events`): forces that differ in numbers alone are rows of a table, and a kernel that knows

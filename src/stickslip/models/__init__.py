@@ -8,6 +8,6 @@ law of a user's own needs two methods and may leave out the rest: `friction.law_
 `drives.drive_adapter` and `machine_adapter`. Where an adapter has a default, nobody else writes `hasattr`.
 
 A `switching_flow.SwitchingFlow` is that declaration written by hand. `controllers` are parts with states of their own. A mirror
-image is made of parts, never of equations: `mirroring` for one body, `machines.mirrored` for several. `naming` and
+image is made of parts, never of equations: `mirroring` turns the fields of a record, `machines.mirrored` what a machine lists. `naming` and
 `nondimensional` are about the numbers of a model.
 """

@@ -51,13 +51,35 @@ def mirrored(robot: Model) -> Any:
     >>> ss.dynamics.mirrored(ss.Chain.example()).phases == ss.Chain.example().phases[::-1]
     True
     """
-    own = adapter_of(robot).mirror_image
-    if own is not None:
-        return own()
-    return made_of_images(robot, _of_its_parts(robot))
+    own: Any = adapter_of(robot).mirror_image
+    return image_of_fields(robot) if own is None else own()
 
 
-def made_of_images(model: Any, image: Any) -> Any:
+def image_of_fields(model: Any, numbers: tuple[str, ...] = ()) -> Any:
+    """The record whose parts are the mirror images of the parts of another one.
+
+    Parameters
+    ----------
+    model : dataclass
+        Its drives are reversed, its law and its track turned round, and a machine within it is its mirror image.
+    numbers : tuple of str
+        Numbers that change their sign, and tuples of them.
+
+    Raises
+    ------
+    InputError
+        If that is not the image of the whole, or if it has none of these parts.
+    """
+    parts = {f.name for f in dataclasses.fields(model)} if dataclasses.is_dataclass(model) else set()
+    if not numbers and not parts & set(_IMAGES):
+        why = f"{type(model).__name__} has no drive on a track that could be turned round, and no method mirrored()"
+        raise InputError("mirrored", [f"{why}; write one that returns its mirror image"])
+    changes = {name: _negative(getattr(model, name)) for name in numbers}
+    changes |= {name: image(getattr(model, name)) for name, image in _IMAGES.items() if name in parts}
+    return _made_of_images(model, dataclasses.replace(model, **changes))
+
+
+def _made_of_images(model: Any, image: Any) -> Any:
     """What the mirror images of a machine's parts make up; `InputError` if that is not the image of the whole."""
     wrong = _unmirrored(model, image)
     if wrong:
@@ -67,19 +89,20 @@ def made_of_images(model: Any, image: Any) -> Any:
     return image
 
 
-def _of_its_parts(model: Any) -> Any:
-    """The image that the mirror images of a robot's parts make up."""
-    if not all(hasattr(model, name) for name in ("drive", "friction", "track")):
-        why = f"{type(model).__name__} has no drive on a track that could be turned round, and no method mirrored()"
-        raise InputError("mirrored", [f"{why}; write one that returns its mirror image"])
-    drive = tuple(map(_turned, model.drive)) if isinstance(model.drive, tuple) else _turned(model.drive)
-    return dataclasses.replace(model, drive=drive, friction=mirrored_law(model.friction), track=mirrored_track(model.track))
+def _negative(number: Any) -> Any:
+    return tuple(map(_negative, number)) if isinstance(number, tuple) else 0.0 - number
 
 
-def _turned(drive: Drive) -> Any:
-    """A drive in the opposite direction."""
+def _reversed(drive: Drive | tuple[Drive, ...]) -> Any:
+    """A drive in the opposite direction, or each of several."""
+    if isinstance(drive, tuple):
+        return tuple(map(_reversed, drive))
     own = getattr(drive, "mirrored", None)
     return own() if callable(own) else drive.drive if isinstance(drive, Reversed) else Reversed(drive)
+
+
+#: What becomes in the mirror of a part, by the name of its field.
+_IMAGES: dict[str, Any] = {"drive": _reversed, "along": _reversed, "friction": mirrored_law, "track": mirrored_track, "machine": mirrored}
 
 
 def _unmirrored(model: Any, image: Any) -> str:
@@ -106,5 +129,5 @@ def _unmirrored(model: Any, image: Any) -> str:
 
 
 def _opposite(a: Any, b: Numeric, size: Any = 0.0) -> bool:
-    apart = abs(a + b) > 1e-9 * (abs(a) + size)
+    apart = abs(a + b) > 1e-9 * (abs(a) + abs(size))  # the load of what takes off is negative
     return not (apart.any() if hasattr(apart, "any") else apart)

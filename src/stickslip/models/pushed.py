@@ -58,9 +58,9 @@ class Pushed(Frozen):
 
     def mirrored(self) -> Pushed:
         """Its mirror image."""
-        from stickslip.models.mirroring import made_of_images, mirrored
+        from stickslip.models.mirroring import image_of_fields
 
-        return made_of_images(self, Pushed(mirrored(self.machine), tuple(-force for force in self.applied)))
+        return image_of_fields(self, ("applied",))
 
 
 def _more(own: Any, force: Any) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from operator import attrgetter
 from typing import Any, ClassVar
 
@@ -12,9 +12,9 @@ from stickslip.basics.errors import Problems
 from stickslip.basics.maths import pi, sqrt
 from stickslip.basics.quantities import DAMPING, LOAD, MASS, STIFFNESS, Rule, positive, quantity
 from stickslip.models.forces import check_law
-from stickslip.models.friction.law_adapter import law_of, mirrored_law as mirrored_law
+from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machines.filed import Filed
-from stickslip.models.mirroring import made_of_images
+from stickslip.models.mirroring import image_of_fields
 
 
 class Mechanism(Filed):
@@ -34,8 +34,7 @@ class Mechanism(Filed):
 
     def mirrored(self: Any) -> Any:
         """The mechanism with forwards and backwards exchanged."""
-        numbers = {name: 0.0 - getattr(self, name) for name in self._turns}
-        return made_of_images(self, replace(self, friction=mirrored_law(self.friction), **numbers))
+        return image_of_fields(self, self._turns)
 
     @property
     def notes(self: Any) -> list[str]:

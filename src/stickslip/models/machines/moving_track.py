@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from operator import attrgetter
 from typing import Any, ClassVar
 
@@ -13,9 +13,8 @@ from stickslip.basics.fields import everywhere
 from stickslip.basics.maths import cos, maximum, sin
 from stickslip.basics.quantities import GRAVITY, MASS, TILT, Rule, holding, positive, quantity, remarks_on_gravity
 from stickslip.models.drives.drive_adapter import NEEDS, drive_of, lacking
-from stickslip.models.drives.turned import Reversed
 from stickslip.models.forces import check_law
-from stickslip.models.friction.law_adapter import adapted, mirrored_law as mirrored_law
+from stickslip.models.friction.law_adapter import adapted
 from stickslip.models.machines.checks import periods_differ
 from stickslip.models.machines.machine import Machine
 from stickslip.models.machines.parts import Body, Contact
@@ -154,8 +153,9 @@ class MovingTrack(Machine):
 
     def mirrored(self) -> MovingTrack:
         """The track with forwards and backwards exchanged."""
-        along = self.along.drive if isinstance(self.along, Reversed) else Reversed(self.along)
-        return replace(self, along=along, tilt=0.0 - self.tilt, force=0.0 - self.force, friction=mirrored_law(self.friction))
+        from stickslip.models.mirroring import image_of_fields
+
+        return image_of_fields(self, ("tilt", "force"))
 
     def bodies(self) -> Mapping[str, Any]:
         """The mass."""
