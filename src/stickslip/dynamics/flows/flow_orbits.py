@@ -14,18 +14,18 @@ from stickslip.basics.errors import InputError, Problems, SolveError, is_whole
 from stickslip.basics.interruption import interruptible
 from stickslip.dynamics.flows.flow_stretches import Passage, needs_flow, passage, started, touches
 from stickslip.dynamics.periodic.closed_orbits import PeriodicOrbit
+from stickslip.dynamics.periodic.closing import PassageReturns, closed, extent_of
+from stickslip.dynamics.periodic.newton import Root
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.normal_loads import normal_load
 from stickslip.models.switching_flow import Switch, SwitchingFlow
 from stickslip.solvers.flow_engine import FlowStart
-from stickslip.solvers.plain.composed_flows import composed, mode_of_state
-from stickslip.solvers.plain.user_functions import value_and_slopes
+from stickslip.solvers.plain.composed_flows import mode_of_state
 
 _STILL = 1e-9  # of the size of the state: what moves by less stands still
-_REACH = 0.1  # of the size of the state: so long may a step be in any case
 _APART = 1e6  # so many times its miss must an orbit be large to be told from an equilibrium
 _SAME = 1e-6  # of its size: how well an orbit comes back that has been around
-_SHARES = (1.0, 0.5, 0.2, 0.05, 0.01)  # of Newton's step
+_CLOSE = 1e-8  # of the size of the state: nearer than that rounding may keep a state from coming back
 _ITERATIONS = 30  # of Newton's method
 _PARTS = (2, 3, 5, 7, 11, 13)
 _ALIKE, _CANDIDATES = 2.0, 12  # times the nearest: what is taken for the same state again; so many switches are tried
@@ -120,31 +120,32 @@ def _check_asked(flow: Any, periods: Any, duration: Any, settle: Any, most: Any)
 
 def _closed(flow: SwitchingFlow, y: Array, mode: Any, T: float, most: int, how: dict[str, Any]) -> PeriodicOrbit:
     """The orbit to which Newton's method goes from a guess."""
-    free, guessed, done = flow.period is None, T, passage(flow, y, mode, T, **how)
-    for _ in range(most):
-        size, extent, scale = float(abs(_miss(flow, y, done)).max()), _extent(flow, done), float(1 + abs(y).max())
-        still = extent <= max(_STILL * scale, 3 * size)
-        if size <= 3 * how["rtol"] * scale and done.mode == mode and (not free if still else extent >= _APART * size):
-            break
-        if still and free and size <= _STILL * scale:
-            raise SolveError(_nothing_moves(y, mode, T, guessed))
-        y, T, mode, done = _nearer(flow, y, mode, T, done, how)
-    else:
-        if size > 1e-8 * scale or done.mode != mode:
-            raise SolveError(
-                f"Newton's method found no periodic orbit in {most} iterations (residual {size:.1e}); try settle=, or another guess"
-            )
-        if not still and not _converges(flow, y, mode, T, done, how):
-            raise SolveError(
-                "Newton's method found no periodic orbit: its steps do not converge, as beside a fold behind which there is none "
-                f"(residual {size:.1e}); try another value of the parameter, or another guess"
-            )
-        if free and extent < _APART * size:
-            raise SolveError(_nothing_moves(y, mode, T, guessed))
-    notes = ("it is an equilibrium: nothing moves, and it repeats after any time",) if still else ()
+    free, size = flow.period is None, float(1 + abs(y).max())
+    motion, held = PassageReturns(flow, size, T, how), np.array([float(list(flow.modes).index(mode))])
+    motion.passage(motion.unknowns(y), held)  # which raises what cannot be followed
+    root = closed(motion, motion.unknowns(y), held, tolerance=3 * how["rtol"], most=most, floor=_CLOSE)
+    if len(motion.failures) and not np.isfinite(root.residual):
+        raise motion.failures[-1]
+    done, y, T, mode = motion.passage(root.at, root.memory), motion.state(root.at), motion.time(root.at), motion.mode(root.memory)
+    miss, extent = float(abs(motion.miss(root.at, root.memory)).max()), motion.extent(done)
+    still = extent <= max(_STILL * float(1 + abs(y).max()), 3 * miss)
+    if free and (still if miss <= _STILL * size else extent < _APART * miss and root.good):
+        raise SolveError(_nothing_moves(y, mode, T, motion.duration))
     if not np.isfinite(done.monodromy).all():
         raise SolveError(touches(done))
-    return _orbit(flow, y, mode, T, size, how, notes, done)
+    if not root.good:
+        raise SolveError(_not_found(root))
+    notes = ("it is an equilibrium: nothing moves, and it repeats after any time",) if still else ()
+    return _orbit(flow, y, mode, T, miss, how, notes, done)
+
+
+def _not_found(root: Root) -> str:
+    """Why Newton's method found no orbit."""
+    where = f"(residual {root.residual:.1e})"
+    if root.residual > _CLOSE:
+        return f"Newton's method found no periodic orbit in {root.iterations} iterations {where}; try settle=, or another guess"
+    why = f"{root.why} {where}"
+    return f"Newton's method found no periodic orbit: {why}; try another value of the parameter, or another guess"
 
 
 def _orbit(
@@ -156,32 +157,10 @@ def _orbit(
     return PeriodicOrbit(flow, period, state, residual, notes=notes, duration=T, _passage=done, **how)
 
 
-def _miss(flow: SwitchingFlow, y: Array, done: Passage) -> Array:
-    """How far a passage ends from its start, but for the drift of cyclic coordinates."""
-    return flow.drifts.difference(done.state, y)
-
-
-def _extent(flow: SwitchingFlow, done: Passage) -> float:
-    """How far the state that moves most moves, of those on which something depends."""
-    return float(np.delete(done.highest - done.lowest, flow.drifts.free).max(initial=0.0))
-
-
 def closed_once(flow: SwitchingFlow, y: Array, mode: Any, T: float) -> PeriodicOrbit:
     """The cycle of a flow without a period to which Newton's method goes from a state and a duration, traversed once."""
     how: dict[str, Any] = {"rtol": 1e-12, "method": "auto"}
     return _once(flow, _closed(flow, flow.drifts.wrapped(y), mode, T, _ITERATIONS, how), 1, _ITERATIONS, how)
-
-
-def _nearer(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passage, how: dict[str, Any]) -> tuple[Array, float, Any, Passage]:
-    """The next guess and its passage: Newton's step, or the part of it that first makes the miss smaller."""
-    step, longer, after = _newton_step(flow, y, mode, T, done)
-    size = abs(_miss(flow, y, done)).max()
-    for part in _SHARES:
-        ahead, then = y + part * step, T + part * longer
-        tried = passage(flow, ahead, after, then, **how)
-        if abs(_miss(flow, ahead, tried)).max() < size or part == _SHARES[-1]:
-            break
-    return ahead, then, after, tried
 
 
 def _nothing_moves(y: Array, mode: Any, T: float, guessed: float) -> str:
@@ -198,8 +177,8 @@ def _once(flow: SwitchingFlow, orbit: PeriodicOrbit, periods: int, most: int, ho
     """The orbit gone around once: the shortest duration of a free flow, an error where forced motions repeat before `periods` are over."""
     for k in _PARTS if flow.period is None else [k for k in range(periods, 1, -1) if periods % k == 0 and not orbit.notes]:
         part = passage(flow, orbit.state, orbit.mode, orbit.duration / k, **how)
-        extent = _extent(flow, orbit.passage)
-        if part.mode != orbit.mode or abs(_miss(flow, orbit.state, part)).max() > max(_SAME * extent, 10 * orbit.residual):
+        extent, miss = extent_of(flow, orbit.passage), flow.drifts.difference(part.state, orbit.state)
+        if part.mode != orbit.mode or abs(miss).max() > max(_SAME * extent, 10 * orbit.residual):
             continue
         if flow.period is not None:
             mistake = f"the motion found repeats after {periods // k} of {periods} periods"
@@ -223,44 +202,6 @@ def _returned(flow: SwitchingFlow, y: Array, mode: Any, duration: float, settle:
     onward = 0.5 * (events[before + 1][0] - events[before][0])  # not on a switch, but half way to the next
     ended = passage(flow, done.state, done.mode, onward, **how) if onward > 0 else done
     return ended.state, ended.mode, events[-1][0] - events[before][0]
-
-
-def _newton_step(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passage) -> tuple[Array, float, Any]:
-    """Newton's step of state and duration, and the mode of the next guess.
-
-    It is no longer than the motion seen is large; a forced motion that hardly moves may be further from its orbit.
-    """
-    if not np.isfinite(done.monodromy).all():
-        raise SolveError(touches(done))
-    n, reach = len(y), _extent(flow, done)
-    step = np.linalg.lstsq(*_linear(flow, y, mode, T, done), rcond=1e-12)[0]
-    if flow.period is not None:
-        reach = max(reach, _REACH * float(1 + abs(y).max()))
-        return step * min(1.0, reach / max(float(abs(step).max()), 1e-300)), 0.0, done.mode
-    step *= min(1.0, reach / max(float(abs(step[:n]).max()), 1e-300), 0.5 * T / max(abs(float(step[n])), 1e-300))
-    return step[:n], float(step[n]), mode
-
-
-def _linear(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passage) -> tuple[Array, Array]:
-    """The equations of Newton's step: their matrix, and what they are to be."""
-    A, miss, shifts = done.monodromy - np.eye(len(y)), _miss(flow, y, done), flow.drifts.free
-    A[shifts] = 0.0
-    if flow.period is not None:
-        return A, -miss
-    plain = composed(flow)
-    along = value_and_slopes(plain.fields[mode], 0.0, y)[0]
-    ahead = value_and_slopes(plain.fields[done.mode], T, done.state)[0]
-    along[shifts], ahead[shifts] = 0.0, 0.0
-    return np.block([[A, ahead[:, None]], [along[None, :], np.zeros((1, 1))]]), np.append(-miss, 0.0)
-
-
-def _converges(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passage, how: dict[str, Any]) -> bool:
-    """Whether Newton's steps converge to an orbit beside a state that nearly comes back (see `stickslip.dynamics.periodic.newton`)."""
-    step, longer, after = _newton_step(flow, y, mode, T, done)
-    tried = passage(flow, y + step, after, T + longer, **how)
-    here, there = _linear(flow, y, mode, T, done)[0], _linear(flow, y + step, after, T + longer, tried)[0]
-    bent = np.linalg.lstsq(here, there - here, rcond=1e-12)[0]
-    return bool(np.isfinite(bent).all() and np.linalg.norm(bent, 2) <= 0.5)
 
 
 @explains_arguments

@@ -11,10 +11,9 @@ from stickslip.analysis.section_choice import Asked, asked_for, cut_of, passages
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, SolveError
 from stickslip.basics.interruption import interruptible
-from stickslip.dynamics.derivatives.tangents import not_followed
 from stickslip.dynamics.periodic.closed_orbits import PeriodicOrbit
+from stickslip.dynamics.periodic.closing import SectionReturns, closed
 from stickslip.dynamics.periodic.cycle_sections import Section, section_of
-from stickslip.dynamics.periodic.newton import newton_within
 from stickslip.dynamics.stroboscopic.chosen_sections import turns_shown
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, largest_size
 from stickslip.models.machine_adapter import machine_of
@@ -67,19 +66,8 @@ def limit_cycle(
         return at_its_switch(usual, str(asked.name), period)
     state, duration, section, period = _guessed(model, period, guess, asked)
     at, unit = coordinates(model), clock(model)
-
-    def problem(memory: Array) -> Any:
-        return lambda U: section.misses(model, at, U, memory, rtol, unit)
-
-    def after(u: Array, memory: Array) -> Array:
-        return section.ends(model, at, u[None, :], memory, rtol, unit)[0, at.smooth :]
-
-    def slopes(memory: Array) -> Any:
-        return lambda u: section.slopes(model, at, u, memory, rtol, unit)
-
-    exact = slopes if machine_of(model).has_inner_states and not not_followed(model) else None  # differences smooth what turns sharply
     begun = section.unknowns(at, state, duration, unit)
-    root = newton_within(problem, after, begun, state[at.smooth :], exact, tolerance=tolerance, reach=0.5)
+    root = closed(SectionReturns(model, at, section, rtol, unit), begun, state[at.smooth :], tolerance=tolerance)
     if not root.good:
         raise SolveError(
             f"Newton's method found no cycle of {period} turns: {root.why} (residual {root.residual:.1e} after {root.iterations} "

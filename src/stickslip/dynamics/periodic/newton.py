@@ -15,6 +15,7 @@ P = TypeVar("P", bound=Any)
 
 Residuals = Callable[[Array], Array]  # (cases, unknowns) -> (cases, equations), all in units of 1
 Slopes = Callable[[Array], tuple[Array, Array]]  # unknowns -> residuals there, and their Jacobian
+Share = Callable[[Array, Array], float]  # unknowns and a step from there -> the part of it that may be taken
 
 STEP = 1e-6  # half the distance of the points of a central difference
 _PATTERNS = 6  # sets of whole numbers that are tried
@@ -52,7 +53,7 @@ def slopes_at(residuals: Residuals, u: Array, step: float = STEP) -> tuple[Array
 
 def newton(
     residuals: Residuals, guess: Array, tolerance: float = 1e-12, most: int = 25, floor: float = 1e-9, reach: float = np.inf,
-    slopes: Slopes | None = None,
+    slopes: Slopes | None = None, share: Share | None = None, in_turn: bool = False,
 ) -> Root:  # fmt: skip
     """A root of F(u) = 0.
 
@@ -73,6 +74,11 @@ def newton(
         Longest step.
     slopes : callable, optional
         Gives F and its Jacobian at one point; where it does not they are central differences.
+    share : callable, optional
+        Gives the part of a step that may be taken, where that depends on the place.
+    in_turn : bool
+        Whether parts of a step that went too far are tried in turn until one helps, as rows of a table take one after the other; else they
+        are one table, and the best is taken.
 
     Examples
     --------
@@ -83,7 +89,8 @@ def newton(
 
     def at(u: Array) -> tuple[Array, Array]:
         derivatives = None if slopes is None else slopes(u)
-        return slopes_at(residuals, u) if derivatives is None or not np.isfinite(derivatives[1]).all() else derivatives
+        lacking = derivatives is None or (np.isfinite(derivatives[0]).all() and not np.isfinite(derivatives[1]).all())
+        return slopes_at(residuals, u) if derivatives is None or lacking else derivatives
 
     u = np.array(guess, float)
     F, J = at(u)
@@ -109,15 +116,15 @@ def newton(
         step = np.linalg.lstsq(J, -F, rcond=1e-13)[0]
         if size <= floor and np.linalg.norm(step) <= tolerance:  # where a map stretches, its rounding is more than that of the point
             return ended(True, "found, to rounding")
-        step = step * min(1.0, reach / max(float(np.linalg.norm(step)), 1e-300))
+        step = step * min(1.0, reach / max(float(np.linalg.norm(step)), 1e-300)) * (1.0 if share is None else share(u, step))
         ahead, J_ahead = at(u + step)
         if _size(ahead) < size:
             u, F, J, size = u + step, ahead, J_ahead, _size(ahead)
             continue
-        share = _best_share(residuals, u, step, size)
-        if share == 0.0:
+        part = (_first_share if in_turn else _best_share)(residuals, u, step, size)
+        if part == 0.0:
             return stopped("no part of Newton's step makes the residual smaller")
-        u = u + share * step
+        u = u + part * step
         F, J = at(u)
         size = _size(F)
     return stopped(f"{most} iterations were not enough")
@@ -143,7 +150,7 @@ def _converges(at: Slopes, u: Array, F: Array, J: Array) -> bool:
 
 def newton_within(
     problem: Callable[[Array], Residuals], after: Callable[[Array, Array], Array], guess: Array, memory: Array,
-    slopes: Callable[[Array], Slopes] | None = None, **options: Any,
+    slopes: Callable[[Array], Slopes] | None = None, share: Callable[[Array], Share | None] | None = None, **options: Any,
 ) -> Root:  # fmt: skip
     """A root for which whole numbers come back too: Newton's method with them held, and again with what they became.
 
@@ -157,6 +164,8 @@ def newton_within(
         Where it begins.
     slopes : callable, optional
         The residuals with their Jacobian, for whole numbers that are held.
+    share : callable, optional
+        The part of a step that may be taken, for whole numbers that are held.
     **options
         As for `newton`.
 
@@ -167,7 +176,7 @@ def newton_within(
     (2.0, [2.0])
     """
     for _ in range(_PATTERNS):
-        root = newton(problem(memory), guess, slopes=slopes and slopes(memory), **options)
+        root = newton(problem(memory), guess, slopes=slopes and slopes(memory), share=share and share(memory), **options)
         if not len(memory) or not np.isfinite(root.at).all():
             return replace(root, memory=memory)
         now = after(root.at, memory)
@@ -201,6 +210,11 @@ def _best_share(residuals: Residuals, u: Array, step: Array, size: float) -> flo
     sizes = np.array([_size(f) for f in residuals(u + SHARES[:, None] * step)])
     best = int(np.argmin(sizes))
     return float(SHARES[best]) if sizes[best] < size else 0.0
+
+
+def _first_share(residuals: Residuals, u: Array, step: Array, size: float) -> float:
+    """The largest part of a step that leaves a smaller residual; 0 if none does."""
+    return next((float(part) for part in SHARES if _size(residuals((u + part * step)[None, :])) < size), 0.0)
 
 
 def _size(F: Array) -> float:

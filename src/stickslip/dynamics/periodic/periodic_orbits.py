@@ -11,15 +11,15 @@ from stickslip.basics.arguments import Model, explains_arguments
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import Problems, SolveError
 from stickslip.basics.interruption import interruptible
-from stickslip.dynamics.derivatives.tangents import Directions, changes_along, not_followed
 from stickslip.dynamics.flows.flow_cycles import cycle_of_flow, cycle_shown
 from stickslip.dynamics.flows.flow_orbits import flow_orbit
 from stickslip.dynamics.periodic.closed_orbits import RTOL, PeriodicOrbit
+from stickslip.dynamics.periodic.closing import StrobeReturns, closed
 from stickslip.dynamics.periodic.cycle_sections import TURN, Section
 from stickslip.dynamics.periodic.drifting import drift_sentence
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.periodic.limit_cycles import limit_cycle
-from stickslip.dynamics.periodic.newton import Root, newton_within
+from stickslip.dynamics.periodic.newton import Root
 from stickslip.dynamics.stroboscopic.chosen_sections import check_section
 from stickslip.dynamics.stroboscopic.differences import beyond_limits, difference_jacobian
 from stickslip.dynamics.stroboscopic.refusals import needs_model
@@ -187,30 +187,8 @@ def _failure(model: Model, period: int, tried: list[Root], guess: Any) -> str:
 
 def _solve(model: Model, period: int, state: Array, rtol: float, tolerance: float) -> Root:
     at = coordinates(model)
-    d, scales = at.smooth, at.scales[: at.smooth]
-
-    def ends(u: Array, memory: Array) -> Array:
-        held = np.broadcast_to(memory, (*u.shape[:-1], len(memory)))
-        return strobe_map(model, np.concatenate([u * scales, held], axis=-1), period, rtol).state
-
-    def missed(end: Array, u: Array) -> Array:
-        return end / scales - u if not at.comes_again else at.difference(end, u * scales) / scales
-
-    def problem(memory: Array) -> Any:
-        return lambda u: missed(ends(u, memory)[:, :d], u)
-
-    def slopes(memory: Array) -> Any:
-        def at_point(u: Array) -> tuple[Array, Array]:
-            changes = changes_along(model, np.tile(np.append(u * scales, memory), (d, 1)), np.diag(scales), period, Directions(rtol=rtol))
-            return missed(changes.state[0][:d], u), (changes.change / scales).T - np.eye(d)
-
-        return at_point
-
-    def after(u: Array, memory: Array) -> Array:
-        return ends(u, memory)[0, d:]
-
-    state, exact = np.asarray(state, float), None if not_followed(model) else slopes
-    return newton_within(problem, after, state[:d] / scales, np.round(state[d:]), exact, tolerance=tolerance)
+    d, state = at.smooth, np.asarray(state, float)
+    return closed(StrobeReturns(model, at, period, rtol), state[:d] / at.scales[:d], np.round(state[d:]), tolerance=tolerance)
 
 
 def _shorter(model: Model, state: Array, period: int, rtol: float) -> bool:
