@@ -150,9 +150,9 @@ def _read(path: Path, made: Callable[[Any], T]) -> T:
 def _plan_of(plane: Plane, look: Look) -> Plan:
     """The sweep over the points of the grid."""
     axes = {name: axis.tolist() for name, axis in zip(plane.names, plane.axes, strict=True)}
-    options = {**SOLVER, "periods": look.settle, "rtol": look.rtol}
-    if plane.sample.period is None:
-        options |= {"duration": float(look.settle)}  # returns, of times that are their own
+    # returns of a machine without a period take times that are their own
+    length = {"duration": float(look.settle)} if plane.sample.period is None else {"periods": look.settle}
+    options = {**SOLVER, **length, "rtol": look.rtol}
     return planned(plane.family.make, (), {**plane.family.fixed, **axes}, None, None, None, **options)
 
 
