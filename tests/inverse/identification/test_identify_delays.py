@@ -71,6 +71,13 @@ def test_jumps_alone_tell_a_delay_to_a_sample_or_two():
         assert abs(value - late) < 2.5 * error and 2e-3 < error < 1.6e-2
         assert abs(fit.values["mu_plus"] - 0.25) < 2 * fit.errors["mu_plus"] and fit.sensor["gain"][0] == pytest.approx(1.0, abs=1e-3)
 
+    whole = rig(0.0, 250.0, "Coulomb", noise=1e-6)
+    part = (whole["x"].t > 0.55) & (whole["x"].t < 1.45)  # of one stroke: nothing jumps, and each delay leaves other values out
+    once = ss.Record.of(whole["x"].t[part], {"x [m]": whole["x"].values[part], "F [N]": whole["F"].values[part]},
+                        roles={"x": "position", "F": "force"})  # fmt: skip
+    fit = ss.identify(once, ss.Coulomb, free={"mu_plus": (0.05, 0.6)}, tied={"mu_minus": "mu_plus"}, load=LOAD, starts=4)
+    assert fit.sensor["delay"][1] == np.inf
+
     made = Strokes(np.arange(14.0), np.array([1, 1, 1, *[0] * 8, -1, -1, -1]), -9.0, 1.0)  # far from a reversal a value is held
     h, sooner = np.arange(14.0) ** 2, 1e-6
     changes = (made.delayed(h, 0.3 - sooner) - made.delayed(h, 0.3 + sooner)) / (2 * sooner)

@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 import stickslip as ss
 from rows import each_row
@@ -169,3 +170,20 @@ def test_what_is_flat_from_bound_to_bound_is_not_determined_where_its_best_place
     assert fit.undetermined == ("f0",) and "f0  not determined" in fit.report() and fit.interval("f0")[0] == 0.2
     low, high = fit.interval("mu0")
     assert 0.179 < low < high < 0.182
+
+
+def test_a_number_is_as_open_as_it_would_be_beside_any_value_of_another_that_may_have_every_value():
+    """Coulomb's force, fitted as Stribeck's, under coloured noise: the velocity at which a small dip ends may be below all measured ones.
+
+    Static friction is anything then; it had an interval of 1e-3 of itself, which is right where that velocity is as fitted.
+    """
+    t, noise = np.arange(0, 4, 2e-3) + 1e-3, np.random.default_rng(2).normal(0, 1, 2000)
+    x, v = 3.8e-3 * np.sin(np.pi * t), 3.8e-3 * np.pi * np.cos(np.pi * t)
+    force = 10 * np.sign(v) + lfilter([0.02], [1, -0.9], noise)
+    rec = ss.Record.of(t, {"x [m]": x, "F [N]": force}, roles={"x": "position", "F": "force"})
+    free, tied = {"mu_plus": (0.05, 0.6), "f_plus": (0.05, 0.8), "v_s": (2e-5, 1e-2, "log")}, {"mu_minus": "mu_plus", "f_minus": "f_plus"}
+    fit = ss.identify(rec, ss.Stribeck, free=free, tied=tied, load=40.0, starts=4, sensor={})
+    assert fit.undetermined == ("v_s",) and "f_plus" in fit.bent and np.min(abs(v)) > 1.5 * 2e-5
+    low, high = fit.interval("f_plus")
+    assert 0.2495 < low < fit.values["f_plus"] < 0.252 and high > 0.29
+    assert abs(fit.values["mu_plus"] - 0.25) < 3 * fit.errors["mu_plus"] < 1e-3

@@ -75,9 +75,10 @@ def _variance_by_jumps(problem: Any, point: Any, k: int, scale: float) -> float:
         tried = point[k] + apart * np.arange(-_SIDE, _SIDE + 1)
         tried = tried[(tried >= low - 1e-3 * apart) & (tried <= high + 1e-3 * apart)]
         points = [np.where(np.arange(len(point)) == k, each, point) for each in tried]
-        sums = np.array([float(rest @ rest) for rest in (problem.lagging(each).residuals(each) for each in points)])
-        here = int(np.argmin(abs(tried - point[k])))
+        sums = _sums_over_the_same(problem, points)
         worse = np.flatnonzero(sums > min(sums) + _by_noise(problem, k) * scale**2)
+        here = int(np.argmin(abs(tried - point[k])))
+        here = int(np.argmin(sums)) if here in worse else here
         first, last = np.max(worse[worse < here], initial=-1), np.min(worse[worse > here], initial=len(tried))
         whole = len(tried) < 2 * _SIDE + 1
         if first < 0 and last == len(tried) and whole:
@@ -87,6 +88,15 @@ def _variance_by_jumps(problem: Any, point: Any, k: int, scale: float) -> float:
         apart *= 2
     behind, ahead = (float(tried[np.clip(i, 0, len(tried) - 1)] - point[k]) for i in (first, last))
     return (ahead**3 - behind**3) / (3 * (ahead - behind))
+
+
+def _sums_over_the_same(problem: Any, points: list[Any]) -> Any:
+    """Sums of squares at points of different delays, over the values that all of them compare: none gains by what it leaves out."""
+    late = [problem.lagging(each) for each in points]
+    counted = np.min([each.known for each in late], axis=0)
+    rests = np.array([each.residuals(point) for each, point in zip(late, points, strict=True)])
+    rests[:, : len(counted)] *= counted
+    return np.sum(rests**2, axis=1)
 
 
 def _by_noise(problem: Any, k: int) -> float:

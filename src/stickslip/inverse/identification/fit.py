@@ -281,6 +281,8 @@ class Fit(Face):
     determined = cached_property(formulas.combinations)
     open = cached_property(uncertainty.open_parameters)
     bent = cached_property(uncertainty.bent_parameters)
+    bent_nearby = cached_property(uncertainty.bent_nearby)
+    beside_open = cached_property(uncertainty.beside_open)
     costs = cached_property(uncertainty.costs)
     symmetry = cached_property(symmetry)
     quality = cached_property(quality)

@@ -32,6 +32,7 @@ _MATTERS = 1.0  # square of the noise: by less a search that ended before a mini
 _OUTSIDE = 3.0  # standard errors beyond a bound, from which on that is no noise
 _WANTED = 0.05  # of the distance of its bounds: error of a parameter with the sensor that is recommended
 _PROFILED = 24  # points that are tried for one end of a profile
+_FARTHER = 0.03  # first step of the way to a bound on which an interval is looked for beside an open parameter
 _HALF = 0.5  # of a standard error
 _NEAR_BOUND = 0.1  # standard errors to a bound, nearer than which nothing is seen of a parabola
 
@@ -140,7 +141,12 @@ def by_profile(fit: Fit, name: str, level: float) -> tuple[float, float]:
     """Where the least sum of squares of the other parameters has risen by as much as the level allows."""
     k = fit.names.index(name)
     free = fit.problem.parameters.free[k]
-    ends = [_profile_end(fit, k, sign, _rise(fit, k, level)) for sign in (-1.0, 1.0)]
+    ends = []
+    for sign in (-1.0, 1.0):
+        end = _profile_end(fit, k, sign, rise := _rise(fit, k, level))
+        for risen, start in fit.beside_open:
+            end = _farther(fit, k, end, 0.5 + 0.5 * sign, risen + rise, start)
+        ends.append(end)
     return float(free.outer(ends[0])), float(free.outer(ends[1]))
 
 
@@ -148,6 +154,21 @@ def by_either(fit: Fit, name: str, level: float) -> tuple[float, float]:
     """From the outer ends of both: under noise of the motion the sum of squares is rough, and a profile ends at the first rise."""
     ends = [by(fit, name, level) for by in (by_covariance, by_profile)]
     return min(low for low, _ in ends), max(high for _, high in ends)
+
+
+def _farther(fit: Fit, k: int, near: float, far: float, rise: float, start: Any) -> float:
+    """An end of a profile, or how far beyond it on the way to a bound the sum of squares has not risen as much, from a start."""
+    if near == far or _risen(fit, k, far, start)[0] < rise:
+        return far
+    length = abs(far - fit.point[k])
+    step = _FARTHER * length
+    while abs(far - near) > _FARTHER * length:
+        beyond = near + np.sign(far - near) * min(step, 0.5 * abs(far - near))
+        risen, there = _risen(fit, k, beyond, start)
+        if risen >= rise:
+            return near
+        near, start, step = beyond, there, 2 * step
+    return near
 
 
 def _profile_end(fit: Fit, k: int, sign: float, rise: float) -> float:
@@ -385,6 +406,25 @@ def lost_remarks(fit: Fit) -> list[str]:
 def bent_parameters(fit: Fit) -> tuple[str, ...]:
     """Parameters along whose interval the sum of squares is not a parabola, so covariance and bootstrap intervals are unreliable.
 
+    It is none about the best point (`bent_nearby`), or it stays low beyond the interval where a parameter that may have any value has
+    another one.
+    """
+    return tuple(name for k, name in enumerate(fit.names) if name in fit.bent_nearby or _is_wider_beside_open(fit, k))
+
+
+def _is_wider_beside_open(fit: Fit, k: int) -> bool:
+    """Whether half as far again as the interval reaches the sum of squares is still low, beside other values of an open parameter."""
+    half = _BEYOND * _quantile(fit, _LEVEL) * _inner_error(fit, k)
+    if not fit.beside_open or not 0 < half < np.inf:
+        return False
+    ends, rise = np.clip([fit.point[k] - half, fit.point[k] + half], 0.0, 1.0), _rise(fit, k, _LEVEL)
+    others = [(risen + rise, start, float(end)) for risen, start in fit.beside_open for end in ends if end != fit.point[k]]
+    return any(_risen(fit, k, end, start)[0] < least for least, start, end in others)
+
+
+def bent_nearby(fit: Fit) -> tuple[str, ...]:
+    """Parameters along whose interval the sum of squares is not a parabola about the best point.
+
     Two standard errors of white noise away, where the others have followed, the sum of squares should have risen by four; and where noise
     is coloured, so that the interval is wider, at its end by as much as the interval allows.
     """
@@ -435,7 +475,22 @@ def open_parameters(fit: Fit) -> tuple[str, ...]:
     At either bound the sum of squares rises by less than the level allows once the others follow.
     """
     bent = [(name, fit.names.index(name)) for name in fit.bent]
-    return tuple(name for name, k in bent if all(_risen(fit, k, end, fit.point)[0] < _rise(fit, k, _LEVEL) for end in (0.0, 1.0)))
+    starts, rises = ((0.0, fit.point), *fit.beside_open), {k: _rise(fit, k, _LEVEL) for _, k in bent}
+    is_low = lambda k, end: any(_risen(fit, k, end, start)[0] < risen + rises[k] for risen, start in starts)  # noqa: E731
+    return tuple(name for name, k in bent if is_low(k, 0.0) and is_low(k, 1.0))
+
+
+def beside_open(fit: Fit) -> tuple[tuple[float, Any], ...]:
+    """Where a parameter fits as well from bound to bound: by how much the sum of squares has risen at either, and the point there.
+
+    The interval of another one reaches as far as it would beside any value of the open one. Near the best point it may seem sure only
+    because of the value there: of a static friction nothing is known if it may fall off at velocities below all that were measured.
+    """
+    points = []
+    for k in map(fit.names.index, fit.bent_nearby):
+        ends = [_risen(fit, k, end, fit.point) for end in (0.0, 1.0)]
+        points += [(max(risen, 0.0), point) for risen, point in ends] if all(risen < _rise(fit, k, _LEVEL) for risen, _ in ends) else []
+    return tuple(points)
 
 
 def _allowed(fit: Fit, k: int, level: float) -> float:
