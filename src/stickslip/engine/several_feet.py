@@ -38,6 +38,8 @@ LIFTS = 2  # of a combination: the point does not touch; else 1 and -1 are its s
 _TIE = 1e-12  # of a load, or of the rates that there are: what rounding may make of a condition that holds with equality
 _BESIDE = 1e-10  # of itself without friction: how far beside the border a run ends, whose 24 coefficients are numbers
 _STILL = 1e-11  # of the velocity scale: a slip, or a rate of a gap, that is none
+_AT_ONCE = 1e-10  # of the time scale: points that are down within it after a hit have part in it
+_SAME = 1e-14  # of the distance of a time scale: what rounding makes of the gaps of points that land together
 
 Numbers = dict[int, Sym]
 Sides = dict[int, int]
@@ -313,7 +315,8 @@ def decided(feet: Feet, flies: Numbers, slips: Numbers, of: Any) -> Decision:
                 conditions += [graph.by_side(now[i], -one, -one, one), *map(of, both)]
             else:
                 low, high = feet.bounds(i, bearing, float(signs.get(i, 1)))
-                begins = of(side * along[i] + _TIE * (feet.G[i, i] * (high - low)))
+                size = high - low if i in feet.given else high - low + product(float(signs.get(i, 1)), bearing.across[i])
+                begins = of(side * along[i] + _TIE * (feet.G[i, i] * size))  # nothing holds what does not rub: it slips with no speed
                 conditions.append(graph.by_side(now[i], side * one, -side * one, begins))
         agrees = reduce(lambda rest, condition: graph.select(condition, rest, -one), conditions, one)
         for i, side in given.items():
@@ -414,9 +417,8 @@ def _add_hit(feet: Feet, h: int, flights: dict[int, Flight]) -> None:
     still = _STILL * speed
     time = time_of(parts)
     gaps, rates = ({i: parts.inner[flights[i].inner[k] - len(m.y)] for i in points} for k in (0, 1))
-    lands = {
-        i: one if i == h else graph.select(gaps[i] - still * time, -one, graph.select(-rates[i], one, -one)) for i in points
-    }  # at once
+    late = {i: gaps[i] - _SAME * (speed * time) + _AT_ONCE * (time * rates[i]) for i in points}  # > 0: it lands later, by itself
+    lands = {i: one if i == h else graph.select(late[i], -one, graph.select(-rates[i], one, -one)) for i in points}
     touches = {i: one if i == h else graph.select(flights[i].aloft, lands[i], one) for i in points}
     before = {i: graph.select(flights[i].aloft, rates[i], zero) for i in points}
     thrown, after, fails = _impulses(feet, touches, before, {i: m.lift(m.laws[i].restitution) for i in points}, True)

@@ -86,6 +86,25 @@ def test_rocking_dies_out_and_the_block_stands():
     assert np.allclose(run.load[-1], 0.5 * G, rtol=1e-10) and abs(run.x[-1, 2]) < 1e-12 and np.all(run.contacts["left"].mode[-1:] == 0)
 
 
+def test_feet_that_rattle_within_a_micrometre_hit_one_by_one():
+    """A hit of one corner gives the other nothing where the inertia is m half^2: two balls that bounce, each by itself."""
+    tall, e, fall = np.sqrt(2) * HALF, 0.5, {"left": 2e-5, "right": 5e-5 * (1 + 3e-4)}
+    height = {name: G * t**2 / 2 for name, t in fall.items()}  # at the left corner's third hit the right one is 7e-12 m up
+    by_hand = sorted((t * (1 + 2 * sum(e**k for k in range(1, n + 1))), name) for name, t in fall.items() for n in range(5))[:6]
+    start = {"x": {"z": tall + sum(height.values()) / 2, "angle": (height["right"] - height["left"]) / (2 * HALF)}, "v": {}}
+    for options in ({}, {"method": "dop853", "rtol": 1e-12}):
+        run = ss.solve(block(0.0, e, tall), duration=5.8e-5, start=start, **options)
+        landings = [(event.t, event.part) for event in run.events if event.kind == "landing"]
+        assert [name for _, name in landings] == [name for _, name in by_hand]
+        assert np.allclose([t for t, _ in landings], [t for t, _ in by_hand], rtol=1e-6, atol=0)
+
+
+def test_a_block_without_friction_stands_and_is_pushed_to_and_fro():
+    """What does not rub is held by nothing; at rest it slips with no speed, and no load is without an answer."""
+    run = ss.solve(block(0.0, 0.5, 0.3), duration=0.1, start={"x": {"z": 0.3}, "v": {}})
+    assert run.status == "finished" and not run.events and np.allclose(run.load[-1], 0.5 * G, rtol=1e-12) and not run.x[-1, 0]
+
+
 @each_row(
     "mu, e, x, v, end",
     [
