@@ -82,6 +82,7 @@ _CALLED = {
         "ss.continuation": "period_doubling fold hopf bifurcations",
         "ss.verdict": "chaos is_chaotic",
         "ss.BlockOnBelt": "belt",
+        "ss.Trajectory, of flows as of machines": "flowrun",
     }.items()
     for name in names.split()
 }

@@ -4,6 +4,7 @@ import pytest
 
 import stickslip as ss
 from every import every_machine
+from house import ROOT
 from rows import each_row
 
 SWING = every_machine["a flow without a period"][0]
@@ -25,6 +26,14 @@ def test_all_of_a_run_comes_back(saved):
     assert again.model.numbers == run.model.numbers and again.provenance == run.provenance and again.start == run.start
     assert again.named_events == run.named_events and len(run.named_events) > 1
     assert again.at(2.345) == run.at(2.345) and again.end_mode == run.end_mode and repr(again) == repr(run)
+    rubbing = every_machine["a flow with contacts"][0]  # a file of the time when runs of flows had a form of their own
+    before = ss.load(ROOT / "tests" / "golden" / "flow-of-before-format-2.nc", machines=[rubbing.replace(speed=0.3)])
+    fresh = ss.solve(rubbing, duration=4.0, samples=4, events={"top": lambda t, y, n: y[0] - 0.2})
+    assert (before.method, before.start, before.counts, before.known_period) == (fresh.method, fresh.start, fresh.counts, None)
+    assert (
+        [e[1:] for e in before.events] == [e[1:] for e in fresh.events] and before.named_events[0].part == "top" and not before.interrupted
+    )
+    assert list(before.at(2.345).values())[2:] == pytest.approx(list(fresh.at(2.345).values())[2:], rel=1e-12)
 
 
 @each_row(

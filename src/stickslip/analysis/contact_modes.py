@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from stickslip.basics.maths import bisected
 from stickslip.models.machine_adapter import machine_of
 
 if TYPE_CHECKING:
-    from stickslip.results.flow_run import FlowRun
     from stickslip.results.trajectory import Trajectory
 
 
@@ -41,8 +40,9 @@ def contact_modes(run: Trajectory, start: float, end: float) -> dict[str, list[S
     {'module 1': [-1, 1, -1], 'module 2': [1, 0, -1, 0, 1]}
     """
     if not run.pieces.layout.bodies:
-        return {name: _joined(*of, start, end) for name, of in flow_contact_modes(cast("FlowRun", run), start, end).items()}
-    return {name: _stretches(watched, start, end, run._aloft[:, i]) for i, (name, watched) in enumerate(watched_contacts(run).items())}
+        return {name: _joined(*of, start, end) for name, of in flow_contact_modes(run, start, end).items()}
+    aloft = run._columns.aloft
+    return {name: _stretches(watched, start, end, aloft[:, i]) for i, (name, watched) in enumerate(watched_contacts(run).items())}
 
 
 def _stretches(watched: WatchedContact, start: float, end: float, aloft: Array) -> list[Stretch]:
@@ -96,7 +96,7 @@ def _pressed(run: Any, mechanics: Any, ends: Any, stop: Any, start: float, end: 
     def is_closed(t: Array) -> Array:
         index = run._index(t)
         x = run._states_at(t, index)[0]
-        return np.broadcast_to(stop.gap_left(mechanics.distance(ends, x.T), run._within(t, index)), t.shape) < 0.0
+        return np.broadcast_to(stop.gap_left(mechanics.distance(ends, x.T), run._columns.within(t, index)), t.shape) < 0.0
 
     nodes = np.append(run.pieces.t, 0.5 * (run.pieces.t[1:] + run.pieces.t[:-1]))  # a touch may be shorter than the grid
     t = np.union1d(np.linspace(start, end, _GRID), nodes[(nodes > start) & (nodes < end)])
@@ -122,7 +122,7 @@ def landings(run: Trajectory, start: float, end: float) -> dict[str, list[float]
     landings: dict[str, list[float]] = {}
     if not run.pieces.layout.bodies:
         return landings
-    for _, event in run._flights:
+    for _, event in run._columns.flights:
         if event.kind == "landing" and start <= event.t <= end:
             landings.setdefault(event.part, []).append(event.t)
     return landings

@@ -146,7 +146,7 @@ def energy(run: Trajectory) -> Energy:
     """
     is_run("energy", run, bodies=False)
     if not run.pieces.layout.bodies:
-        of_flow: Any = friction_work(run)  # type: ignore[arg-type]
+        of_flow: Any = friction_work(run)
         return of_flow
     run, mechanics = run.with_axes, machine_of(run.model).mechanics
     borders, x, v = _borders(run)
@@ -163,7 +163,7 @@ def energy(run: Trajectory) -> Energy:
         of_parts = {name: {part: work + of_more[name][part] for part, work in each.items()} for name, each in of_parts.items()}
         gross = [a + b for a, b in zip(gross, others, strict=True)]
         low, high = np.minimum(low, lower), np.maximum(high, higher)
-    for (when, jump), row in zip(run._impulses, _rows(run, borders), strict=True):
+    for (when, jump), row in zip(run._columns.impulses, _rows(run, borders), strict=True):
         _add_impulse(run, works, when, jump, row)
     for when, loss, given, stop in lost_at_hits(run, mechanics):
         row = _row_of_hit(run, borders, when)
@@ -250,7 +250,7 @@ def _cut(run: Trajectory, borders: Array) -> tuple[Array, Array, Array]:
 
 def _rows(run: Trajectory, borders: Array) -> Array:
     """The row of each impulse: on a border it belongs to what ends there."""
-    times = np.array([t for t, _ in run._impulses])
+    times = np.array([t for t, _ in run._columns.impulses])
     slack = 1e-9 * run.period_time if len(times) else 0.0
     return np.clip(np.searchsorted(borders, times - slack, side="right") - 1, 0, len(borders) - 2)
 
@@ -258,14 +258,14 @@ def _rows(run: Trajectory, borders: Array) -> Array:
 def _row_of_hit(run: Trajectory, borders: Array, when: float) -> int:
     """The row of a hit: one at a known instant comes with it, so on a border it belongs to what ends there."""
     slack = 0.0 if run.model.period is None else 1e-9 * run.period_time
-    known = any(abs(when - t) <= slack for t, _ in run._impulses)
+    known = any(abs(when - t) <= slack for t, _ in run._columns.impulses)
     return int(np.clip(np.searchsorted(borders, when - (slack if known else 0.0), side="right") - 1, 0, len(borders) - 2))
 
 
 def _powers(run: Trajectory, t: Array, index: Array) -> dict[str, Array]:
     """Power of each force [W]."""
     x, v, z = run._states_at(t, index)
-    return machine_of(run.model).mechanics.powers(run._within(t, index), x, v, z, run._forces_at(t, index, x, v, z))
+    return machine_of(run.model).mechanics.powers(run._columns.within(t, index), x, v, z, run._columns.forces_at(t, index, x, v, z))
 
 
 def _add_impulse(run: Trajectory, works: dict[str, Array], t: float, jump: Any, row: int) -> None:

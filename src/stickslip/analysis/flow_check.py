@@ -122,7 +122,7 @@ def check_flow_run(flow: SwitchingFlow, periods: int, duration: float | None, st
     begin = time.perf_counter()
     run: Any = solve(flow, start=start, keep="trajectory", **length)
     took, t0 = time.perf_counter() - begin, float(run.nodes[0])
-    names, y, mode = run.names, run.coefficients[0, :, 0].copy(), list(flow.modes)[int(run.modes[0])]
+    names, y, mode = run.names, run.pieces.coefficients[0, :, 0].copy(), list(flow.modes)[int(run.pieces.mode[0])]
     end, span = dict(zip(names, map(float, run.state), strict=True)), float(run.nodes[-1]) - t0
     sizes = np.maximum(abs(run.lowest), abs(run.highest))
     judges = [FlowJudge(*_named(run), end, 0.0, len(run.events), took, "the reference")]

@@ -17,7 +17,7 @@ from stickslip.basics.notebook_display import Drawn
 from stickslip.models.flow_contacts import contact_columns
 
 if TYPE_CHECKING:
-    from stickslip.results.flow_run import FlowRun
+    from stickslip.results.trajectory import Trajectory
 
 _NODES = 10  # of Gauss and Legendre on each step, as for the steps of machines
 _LOOKS, _HALVINGS = 9, 52  # samples of a slip on each step, between which its zeros are bisected
@@ -64,7 +64,7 @@ class FrictionWork(Drawn):
         return f"<FrictionWork of {len(self.friction)} periods; last: {self.friction[-1]:.4g}>"
 
 
-def friction_work(run: FlowRun) -> FrictionWork:
+def friction_work(run: Trajectory) -> FrictionWork:
     """What friction takes at each contact of a flow: `NoBodies` of a flow without contacts, which has no forces.
 
     The forces are those of the law on the dense output; of a contact at rest, whose slip is zero, nothing is taken.
@@ -83,14 +83,14 @@ def friction_work(run: FlowRun) -> FrictionWork:
     t, index = (middle[:, None] + half[:, None] * nodes).ravel(), np.repeat(run._index(middle), _NODES)
     owner = np.minimum(np.searchsorted(borders, middle, side="right") - 1, len(borders) - 2)
     taken = {}
-    for name, column in contact_columns(run.model, t, run.pieces.states(t, index), run.modes[index]).items():
+    for name, column in contact_columns(run.model, t, run.pieces.states(t, index), run.pieces.mode[index]).items():
         slides = column.mode != 0  # a contact at rest has a slip of rounding
         power = np.where(slides, column.friction_force * column.slip, 0.0).reshape(-1, _NODES)
         taken[name] = np.bincount(owner, (power @ weights) * half, len(borders) - 1)
     return FrictionWork(sum(taken.values(), np.zeros(len(borders) - 1)), taken, min(int(run.settle), len(borders) - 1))
 
 
-def flow_contact_modes(run: FlowRun, start: float, end: float) -> dict[str, tuple[Array, Array]]:
+def flow_contact_modes(run: Trajectory, start: float, end: float) -> dict[str, tuple[Array, Array]]:
     """Ends and signs of each contact's stretches over a span: +1 forwards, 0 at rest, -1 backwards.
 
     Under a law with inner states, which never rests, the sign is that of the slip velocity, located to the last bit.
@@ -99,16 +99,16 @@ def flow_contact_modes(run: FlowRun, start: float, end: float) -> dict[str, tupl
     resting = {name: k for k, name in enumerate(n for n, c in run.model.contacts.items() if not c.law(*run.model.given_once).dynamic)}
     sides = np.array([label[1] for label in run.model.labels.values()]).reshape(len(run.model.labels), -1)
     return {
-        name: (edges, sides[run.modes[index], resting[name]]) if name in resting else _sides_of_slip(run, name, edges, index)
+        name: (edges, sides[run.pieces.mode[index], resting[name]]) if name in resting else _sides_of_slip(run, name, edges, index)
         for name in run.model.contacts
     }
 
 
-def _sides_of_slip(run: FlowRun, name: str, edges: Array, index: Array) -> tuple[Array, Array]:
+def _sides_of_slip(run: Trajectory, name: str, edges: Array, index: Array) -> tuple[Array, Array]:
     """Ends and signs of the stretches of one contact by its slip velocity."""
 
     def forwards(t: Array, piece: Array) -> Array:
-        return np.asarray(contact_columns(run.model, t, run.pieces.states(t, piece), run.modes[piece])[name].slip > 0.0)
+        return np.asarray(contact_columns(run.model, t, run.pieces.states(t, piece), run.pieces.mode[piece])[name].slip > 0.0)
 
     t = edges[:-1, None] + np.diff(edges)[:, None] * np.linspace(0.0, 1.0, _LOOKS)
     ahead = forwards(t.ravel(), np.repeat(index, _LOOKS)).reshape(t.shape)

@@ -14,7 +14,7 @@ from stickslip.basics.notebook_display import Drawn
 from stickslip.results.flow_pieces import extremes
 
 if TYPE_CHECKING:
-    from stickslip.results.flow_run import FlowRun
+    from stickslip.results.trajectory import Trajectory
 
 _NEAR = 1e-6  # of the swing: states at two returns that differ by less are one
 _STILL = 1e-9  # of a state's largest size in the run: what moves by less in the second half of a run stands still
@@ -106,7 +106,7 @@ class FlowMotion(Drawn):
         return self._text()
 
 
-def flow_motion(run: FlowRun, settle: float | None = None) -> FlowMotion:
+def flow_motion(run: Trajectory, settle: float | None = None) -> FlowMotion:
     """The motion at the end of a run of a flow: of what is later than `settle`, or of its second half; of a run that is a cycle of all."""
     begin, end, known = float(run.nodes[0]), float(run.nodes[-1]), run.known_period
     middle = begin if known is not None else 0.5 * (begin + end) if settle is None else settle
@@ -138,23 +138,23 @@ def flow_motion(run: FlowRun, settle: float | None = None) -> FlowMotion:
     return _of(run, "not settled", None, middle, end, min(misses))
 
 
-def _pieces(run: FlowRun, begin: float, end: float) -> Array:
+def _pieces(run: Trajectory, begin: float, end: float) -> Array:
     """The pieces of a run that lie within a stretch, even if in part."""
     return np.flatnonzero((run.nodes[1:] > begin) & (run.nodes[:-1] < end))
 
 
-def _range(run: FlowRun, begin: float, end: float) -> tuple[Array, Array]:
+def _range(run: Trajectory, begin: float, end: float) -> tuple[Array, Array]:
     """Smallest and largest value of each state on the pieces of a stretch; of a cycle what a piece has beyond its end is of the next."""
-    c = run.coefficients[_pieces(run, begin, end)]
+    c = run.pieces.coefficients[_pieces(run, begin, end)]
     return extremes(c, c[:1, :, 0])
 
 
-def _of(run: FlowRun, kind: str, period: int | None, begin: float, end: float, change: float) -> FlowMotion:
+def _of(run: Trajectory, kind: str, period: int | None, begin: float, end: float, change: float) -> FlowMotion:
     """The numbers of a stretch of a run: a cycle, or what there is."""
     low, high = _range(run, begin, end)
     pieces = _pieces(run, begin, end)
     times = np.minimum(run.nodes[pieces + 1], end) - np.maximum(run.nodes[pieces], begin)
-    labels = run.modes_of(pieces)
+    labels = run._columns.labels(pieces).tolist()
     parts: dict[Any, float] = {}
     for label, time in zip(labels, times.tolist(), strict=True):
         parts[label] = parts.get(label, 0.0) + time / (end - begin)

@@ -18,17 +18,17 @@ def lost_at_hits(run: Trajectory, mechanics: Any) -> list[tuple[float, float, fl
         return []
     nodes, later = run.pieces.t[1:-1], np.arange(1, len(run.pieces.mode))
     before, after = (run._states_at(nodes, index)[1] for index in (later - 1, later))
-    thrown = np.any(before != after, axis=1) & ~np.isin(nodes, [t for t, jump in run._impulses if np.any(jump)])
-    thrown[[node - 1 for node, _ in run._flights]] = False
+    thrown = np.any(before != after, axis=1) & ~np.isin(nodes, [t for t, jump in run._columns.impulses if np.any(jump)])
+    thrown[[node - 1 for node, _ in run._columns.flights]] = False
     lost = mechanics.kinetic(before) - mechanics.kinetic(after)
     struck, given = dict[int, list[str]](), dict[int, float]()
-    for node, event in run._hits:
+    for node, event in run._columns.hits:
         struck.setdefault(node, []).append(label_of_stop(mechanics, event.part))
         stop = next(stop for stop in mechanics.stops if stop.name == event.part)
         if stop.part.at is not None:
             jump = mechanics.distance(stop.ends, after[node - 1]) - mechanics.distance(stop.ends, before[node - 1])
             inverse = sum(h * h / float(mass) for h, mass in zip(stop.direction, mechanics.masses, strict=True))
-            wall = float(stop.part.motion.velocity(float(run._within(nodes[node - 1], node))))
+            wall = float(stop.part.motion.velocity(float(run._columns.within(nodes[node - 1], node))))
             given[node] = given.get(node, 0.0) + float(jump) / inverse * wall
     other = [label_of_stop(mechanics, mechanics.stops[0].name)]  # a rate of the gap too small for an event
     which = [(int(i), int(later[i])) for i in np.flatnonzero(thrown)]
@@ -46,7 +46,7 @@ def at_landings(run: Any, mechanics: Any) -> list[tuple[float, float, float, flo
     """
     landings: list[tuple[float, float, float, float, str]] = []
     done = set[int]()
-    for node, event in run._flights:
+    for node, event in run._columns.flights:
         i, t = list(run.contacts).index(event.part), run.pieces.t[[node]]
         (x, before, _), (_, after, _) = (run._states_at(t, np.array([piece])) for piece in (node - 1, node))
         q = mechanics.coordinates_of(tuple(x[0]))

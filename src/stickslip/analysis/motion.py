@@ -24,7 +24,6 @@ from stickslip.models.friction.law_adapter import adapted, law_of
 from stickslip.models.machine_adapter import machine_of
 from stickslip.records.motion_type import motion as measured_motion
 from stickslip.records.record import Record
-from stickslip.results.flow_run import FlowRun
 from stickslip.results.segments import intervals_of, type_of
 from stickslip.results.summary import Summary
 from stickslip.results.trajectory import Trajectory
@@ -177,7 +176,7 @@ class Motions(Drawn):
 
 @explains_arguments
 def motion(
-    run: Trajectory | FlowRun | Record | OfOneRun,
+    run: Trajectory | Record | OfOneRun,
     slip_ratio: float = SLIP_RATIO,
     dwell: float = DWELL,
     frequency: float | None = None,
@@ -191,7 +190,7 @@ def motion(
 
     Parameters
     ----------
-    run : Trajectory, FlowRun, periodic orbit or Record
+    run : Trajectory, periodic orbit or Record
         A batch has the same results in its columns (`many.motion_type`).
     slip_ratio : float
         Between 0 and 1.
@@ -218,7 +217,7 @@ def motion(
     of_a_record("motion", run, frequency=frequency, threshold=threshold)
     if isinstance(run, OfOneRun):
         return run.motion if (slip_ratio, dwell) == (SLIP_RATIO, DWELL) else motion(run.run, slip_ratio, dwell)
-    if isinstance(run, FlowRun):
+    if isinstance(run, Trajectory) and not run.pieces.layout.bodies:
         of_flow: Any = flow_motion(run)
         return of_flow
     _check(run, slip_ratio, dwell)
@@ -278,7 +277,7 @@ def _motion(watched: WatchedContact, slip_ratio: float, dwell: float) -> Motion:
     )
 
 
-def _check(run: Trajectory | FlowRun, slip_ratio: float, dwell: float) -> None:
+def _check(run: Trajectory, slip_ratio: float, dwell: float) -> None:
     problems = []
     if isinstance(run, Summary):
         problems.append("run is the summary of a batch, which holds its types already; type many.motion_type (many.pattern, many.margin)")
@@ -338,7 +337,7 @@ def _has_kinetic(law: Law) -> bool:
     return all(everywhere(abs(adapted(law).sliding(v, 2.0) - adapted(law).sliding(v, 1.0) - mu) <= _KINETIC) for v, mu in sides)
 
 
-def _twin_type(run: Trajectory | FlowRun) -> str | None:
+def _twin_type(run: Trajectory) -> str | None:
     """The twin's type, from the exact borders where they apply; else it is solved."""
     from stickslip.analysis.closed_form import coulomb_type
     from stickslip.solvers import solve

@@ -162,7 +162,7 @@ def hops(run: Trajectory, contact: str | None = None) -> Hops:
         raise InputError("hops", [f"contact = {contact!r} does not fly and land in a run of {type(run.model).__name__}; {allowed}"])
     start, end = _span(run)
     stretches = [(a, b) for a, b, sign in contact_modes(run, start, end)[name] if sign == FLIGHT]
-    landings = [event for _, event in run._flights if event.kind == "landing" and event.part == name and start < event.t <= end]
+    landings = [event for _, event in run._columns.flights if event.kind == "landing" and event.part == name and start < event.t <= end]
     return Hops(
         sum(b - a for a, b in stretches) / (end - start),
         len(landings),

@@ -61,7 +61,7 @@ class WatchedContact:
         run, i = self.run, self.number
         states = x, v, z = run._states_at(t, index)
         if self.law.flies:
-            column = run._forces_at(t, index, *states)
+            column = run._columns.forces_at(t, index, *states)
             slip, load = column["slip"][:, i], column["load"][:, i]
         else:
             q, u = (self.mechanics.coordinates_of(tuple(of.T)) for of in (x, v))

@@ -143,7 +143,7 @@ def _widest(run: Any, columns: dict[str, Array]) -> str:
 def _jumps(run: Any, name: str, column: Array) -> bool:
     """Whether a state jumps over the middle of its range at a switch."""
     middle = 0.5 * (column.min() + column.max())
-    before, after = run._beside_switches(name)
+    before, after = run._columns.beside_switches(name)
     return bool(np.any((before - middle) * (after - middle) < 0.0))
 
 

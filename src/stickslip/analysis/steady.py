@@ -15,7 +15,7 @@ from stickslip.models.state_layout import of_one_contact
 from stickslip.records import measures
 from stickslip.records.record import Record
 from stickslip.results import recurrence, steadiness
-from stickslip.results.flow_run import NO_BODIES, FlowRun
+from stickslip.results.flow_drift import NO_BODIES
 from stickslip.results.summary import Summary
 from stickslip.results.trajectory import Trajectory
 from stickslip.results.verbs import OfOneRun
@@ -81,7 +81,7 @@ def mean_velocity(run: Any, body: int | str | None = None, frequency: float | No
     of_a_record("mean_velocity", run, frequency=frequency)
     if isinstance(run, OfOneRun):
         return run.mean_velocity
-    if isinstance(run, FlowRun) and run.model.cyclic:
+    if isinstance(run, Trajectory) and not run.pieces.layout.bodies:
         return run.mean_velocity
     is_run("mean_velocity", run)
     if run.model.period is not None and len(run.strobe_times) < 2:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import importlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 
@@ -47,7 +47,7 @@ def _absolute(package: str, node: ast.ImportFrom) -> str:
 
 
 def lazy_names(
-    package: str, file: str, elsewhere: Callable[[str], object] | None = None
+    package: str, file: str, elsewhere: Callable[[str], object] | None = None, renamed: Mapping[str, str] | None = None
 ) -> tuple[Callable[[str], object], Callable[[], list[str]], list[str]]:
     """`__getattr__`, `__dir__` and `__all__` of a package whose stub lists its names; second spellings load, but are not listed.
 
@@ -57,6 +57,8 @@ def lazy_names(
         ``__name__`` and ``__file__`` of the package.
     elsewhere : callable, optional
         Gives the value of a name that the stub does not list, or raises AttributeError; without it the name is refused.
+    renamed : dict of str, optional
+        What to type for names that there were, in lower case.
 
     Examples
     --------
@@ -76,7 +78,9 @@ def lazy_names(
                 return elsewhere(name)
             from stickslip.basics.errors import did_you_mean
 
-            raise AttributeError(f"{package} has no {name!r}; {did_you_mean(name, listed)}")
+            instead = (renamed or {}).get(name.lower())
+            hint = f"type {instead}" if instead else did_you_mean(name, listed)
+            raise AttributeError(f"{package} has no {name!r}; {hint}")
         module, attribute = places[name]
         imported = importlib.import_module(module)
         if attribute not in vars(imported) and (module == package or attribute not in dir(imported)):

@@ -105,12 +105,12 @@ class FlowAdapter:
         """Names for the dimensions that its columns have: none."""
         return {}
 
-    @cached_property
-    def laws(self) -> tuple[LawAdapter, ...]:
-        """The laws of its contacts, of the first case where there are several."""
-        return tuple(adapted(contact.law(*self.model.given_once)) for contact in self.model.contacts.values())
-
     @property
     def law_names(self) -> str:
         """The names of its laws, each once."""
         return " + ".join(dict.fromkeys(law.name for law in self.laws))
+
+    @cached_property
+    def laws(self) -> tuple[LawAdapter, ...]:
+        """The laws of its contacts, of the first case where there are several."""
+        return tuple(adapted(contact.law(*self.model.given_once)) for contact in self.model.contacts.values())

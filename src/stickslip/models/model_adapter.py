@@ -30,6 +30,10 @@ class ModelAdapter(Protocol):
         """The laws of its contacts."""
 
     @property
+    def law_names(self) -> str:
+        """The names of its laws, each once: "Coulomb + LuGre"."""
+
+    @property
     def not_followed(self) -> str:
         """Why small changes are not followed along its runs; "" where they are."""
 
@@ -66,10 +70,6 @@ class ModelAdapter(Protocol):
 
     def column_names(self, start: Mapping[str, Any]) -> tuple[str, ...]:
         """The columns of its cases that are named after its own states, for a start by name; none where they are of bodies and contacts."""
-
-    @property
-    def law_names(self) -> str:
-        """The names of its laws, each once: "Coulomb + LuGre"."""
 
     @property
     def sections(self) -> dict[str, float] | None:

@@ -1,4 +1,3 @@
 """The public names of `stickslip.results`: read by type checkers, and by `__init__.py`, which loads each when it is first used."""
 
-from .flow_run import FlowRun as FlowRun
 from .trajectory import Trajectory as Trajectory

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, TextIO
 import numpy as np
 
 from stickslip.basics.contracts import Array
-from stickslip.basics.errors import InputError
 from stickslip.basics.fields import field_description, is_array, leaves
 from stickslip.basics.jsontext import as_plain
 from stickslip.basics.quantities import axis_in
@@ -22,17 +21,15 @@ from stickslip.models.machine_adapter import machine_of
 from stickslip.results.steadiness import STEADINESS
 
 if TYPE_CHECKING:
-    from stickslip.results.flow_run import FlowRun
     from stickslip.results.trajectory import Trajectory
 
 
 COLUMNS = tuple(name for name, variable in VARIABLES.items() if variable.dims[:1] == ("time",))
 
 
-def trajectory_columns(run: Trajectory | FlowRun) -> dict[str, Any]:
+def trajectory_columns(run: Trajectory) -> dict[str, Any]:
     """Every column of a run by name; columns that it does not have are left out, such as z under a set-valued law."""
-    columns = {name: getattr(run, name, None) for name in COLUMNS}
-    return {name: column for name, column in columns.items() if column is not None}
+    return dict(run._columns.table)
 
 
 def names_of_parts(run: Any) -> dict[str, list[str]]:
@@ -44,13 +41,12 @@ def names_of_parts(run: Any) -> dict[str, list[str]]:
     >>> names_of_parts(ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), periods=2))
     {}
     """
-    layout = run.pieces.layout
-    return {} if layout.own else {"body": [b.name for b in layout.bodies], "contact": [c.name for c in layout.contacts]}
+    return dict(run._columns.dims)
 
 
-def dims_of(name: str, column: Array, names: dict[str, list[str]]) -> tuple[str, ...]:
-    """The dimensions of a column, given the names of the bodies and contacts."""
-    return tuple(dim for dim in VARIABLES[name].dims if dim in names or dim not in ("body", "contact"))[: column.ndim]
+def dims_of(dims: tuple[str, ...], column: Array, names: dict[str, list[str]]) -> tuple[str, ...]:
+    """Which of its dimensions a column has, given the names of the bodies and contacts."""
+    return tuple(dim for dim in dims if dim in names or dim not in ("body", "contact"))[: column.ndim]
 
 
 def flat_columns(run: Any) -> dict[str, tuple[Any, str]]:
@@ -59,7 +55,7 @@ def flat_columns(run: Any) -> dict[str, tuple[Any, str]]:
     With several bodies and contacts a column's name contains that of the part, as in "x.head". Inner states are numbered; those that a
     law does not have are left out.
     """
-    return columns_with_units(trajectory_columns(run), names_of_parts(run), run.model)
+    return dict(run._columns.flat)
 
 
 def columns_with_units(columns: dict[str, Any], names: dict[str, list[str]], model: Any) -> dict[str, tuple[Any, str]]:
@@ -100,15 +96,14 @@ class FileColumns:
 
 
 def columns_for_file(run: Any) -> FileColumns:
-    """The columns of a trajectory for a file."""
-    columns, parts = trajectory_columns(run), flat_columns(run)
-    names = names_of_parts(run)
-    units = {name: _unit_of_parts(name, run.model, names) or "1" for name in columns}
-    return FileColumns(columns, units, names, explained_columns(parts), [values for values, _ in parts.values()], attributes(run))
+    """The columns of a run for a file."""
+    columns = run._columns
+    units = {name: columns.unit(name) or "1" for name in columns.table}
+    return FileColumns(columns.table, units, columns.dims, columns.head, [values for values, _ in columns.flat.values()], attributes(run))
 
 
-def _unit_of_parts(name: str, model: Any, names: dict[str, list[str]]) -> str:
-    """The unit of a column; where its parts have different ones, that of each in their order."""
+def unit_of_parts(name: str, model: Any, names: dict[str, list[str]]) -> str:
+    """The unit of a column of bodies or contacts; where its parts have different ones, that of each in their order."""
     dims = VARIABLES[name].dims
     parts = next((names[dim] for dim in ("body", "contact") if dim in dims and dim in names), [""])
     units = [unit_of_part(name, model, part) for part in parts] if len(dims) > 1 else [unit_of(name, model)]
@@ -151,7 +146,7 @@ def write_csv(head: Sequence[str], columns: Sequence[Any], file: TextIO) -> None
 
 def _parts(name: str, column: Array, names: dict[str, list[str]]) -> Iterator[tuple[str, Any]]:
     """One-dimensional parts of a column, with their names."""
-    dims = dims_of(name, column, names)[1:]
+    dims = dims_of(VARIABLES[name].dims, column, names)[1:]
     for index in np.ndindex(column.shape[1:]):
         values = column[(slice(None), *index)]
         if "contact" in dims and "inner_state" in dims and np.isnan(values).all():
@@ -159,18 +154,15 @@ def _parts(name: str, column: Array, names: dict[str, list[str]]) -> Iterator[tu
         yield name + "".join(f".{names[dim][i]}" if dim in names else f"_{i}" for dim, i in zip(dims, index, strict=True)), values
 
 
-def attributes(run: Trajectory | FlowRun) -> dict[str, Any]:
+def attributes(run: Trajectory) -> dict[str, Any]:
     """Metadata of a run besides its columns."""
     attrs = {name: getattr(run, name) for name in ("status", "method", "rtol", "periods", "settle", "samples")}
     for name in ("start", "provenance", "counts"):
         attrs[name] = json.dumps(as_plain(getattr(run, name)))
     if run.named_events:
         attrs["named_events"] = json.dumps([[e.t, e.part, e.before, e.after] for e in run.named_events])
-    try:
-        attrs["robot"] = run.model.to_toml()
-    except (InputError, AttributeError):
-        attrs["robot"] = repr(run.model)
-    return attrs
+    attrs = {name: value for name, value in attrs.items() if value is not None}
+    return attrs | {name: value for name, value in run._columns.about().items() if name not in attrs}
 
 
 #: Meanings of the codes in columns.
@@ -202,18 +194,11 @@ def trajectory_dataset(run: Any) -> Any:
     """
     import xarray as xr
 
-    columns, names = trajectory_columns(run), names_of_parts(run)
-    data = {
-        name: (dims_of(name, column, names), column, column_description(name, run.model) | _units(name, run.model, names))
-        for name, column in columns.items()
-        if name != "t"
-    }
-    coords = {"time": ("time", columns["t"], column_description("t")), **{dim: (dim, of) for dim, of in names.items()}}
+    columns, names = run._columns, names_of_parts(run)
+    time, *others = columns.table.items()
+    data = {name: (dims_of(columns.dims_of(name), column, names), column, columns.description(name)) for name, column in others}
+    coords = {"time": ("time", time[1], columns.description(time[0])), **{dim: (dim, of) for dim, of in names.items()}}
     return xr.Dataset(data, coords=coords, attrs=attributes(run))
-
-
-def _units(name: str, model: Any, names: dict[str, list[str]]) -> dict[str, str]:
-    return {"units": _unit_of_parts(name, model, names) or "1"} if name in VARIABLES else {}
 
 
 def summary_dataset(many: Any) -> Any:

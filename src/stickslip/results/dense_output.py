@@ -11,6 +11,7 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.models.state_layout import StateLayout
+from stickslip.results.flow_pieces import FlowPieces
 from stickslip.results.local_pieces import LocalPieces
 from stickslip.results.pieces import DensePieces, count_until, flaws_of
 
@@ -265,7 +266,7 @@ def _halves(a: Array) -> tuple[Array, Array]:
     return high, a - high
 
 
-KINDS: dict[str, Any] = {"polynomial": PolynomialPieces, "harmonic": HarmonicArcs, "local": LocalPieces}
+KINDS: dict[str, Any] = {"polynomial": PolynomialPieces, "harmonic": HarmonicArcs, "local": LocalPieces, "flow": FlowPieces}
 
 
 def kind_of_pieces(pieces: DensePieces) -> str:

@@ -7,10 +7,15 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.contracts import Array
+from stickslip.basics.errors import NoBodies
 from stickslip.results import recurrence
 from stickslip.results.recurrence import scales_of
 from stickslip.results.steadiness import window_count
 
+NO_BODIES = (
+    "allowed is a run of a machine, and this one is that of a flow, which has states of its own and no bodies; type run[name] for a state, "
+    "run.strobe for its strobe points"
+)
 LONGEST = 32  # periods after which a motion may repeat
 SAME = 1e-8  # of its size: strobe points this close are one
 
@@ -27,7 +32,7 @@ def mean_rates(run: Any) -> dict[str, float]:
     """
     cyclic = run.model.drifts
     if run.model.period is None:
-        t, points = run.nodes[[0, -1]], np.vstack([run.coefficients[0, :, 0], run.state])
+        t, points = run.nodes[[0, -1]], np.vstack([run.pieces.coefficients[0, :, 0], run.state])
     else:
         t, points = run.strobe_times, run.strobe
         period = run.known_period or repeats_after(run.model, points, recurrence) if len(t) > 1 else 1
@@ -37,6 +42,13 @@ def mean_rates(run: Any) -> dict[str, float]:
         return dict.fromkeys(cyclic.names, float("nan"))
     way = (points[-1] - points[0]) / (t[-1] - t[0])
     return {name: float(way[index]) for name, index in zip(cyclic.names, cyclic.places, strict=True)}
+
+
+def drift_velocity(run: Any) -> float:
+    """Mean rate of the first cyclic coordinate of a run of a flow; `NoBodies` of a flow without one, which has no displacement."""
+    if not run.model.cyclic:
+        raise NoBodies("mean_velocity", [f"{NO_BODIES}, or ss.SwitchingFlow(..., cyclic='x') to say which state is a displacement"])
+    return next(iter(run.mean_rates.values()))
 
 
 def repeats_after(flow: Any, points: Array, recurrence: Any) -> int:

@@ -1,10 +1,10 @@
-"""Runs of flows in files: their dense output, and what tells the flow that is given to `load` from another one."""
+"""Flows in the files of their runs: what tells the flow that is given to `load` from another one."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.polynomial.polynomial import polyder, polyval
@@ -13,59 +13,47 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.basics.jsontext import as_plain
 from stickslip.models.flow_contacts import ContactForces
-from stickslip.results.flow_pieces import FlowPieces, ModeChange
+from stickslip.results.flow_pieces import FlowPieces
 
-if TYPE_CHECKING:
-    from stickslip.results.flow_run import FlowRun
-
-#: What a file of such a run says that it holds.
-CONTENT = "run of a flow"
-_ARRAYS = ("t", "mode", "coefficients", "passed", "end")
-_OF_RUN = ("periods", "settle", "rtol", "method", "status", "samples", "start", "provenance", "counts")
+#: What files said that they hold while runs of flows had a form of their own there.
+BEFORE = "run of a flow"
+_OF_RUN = ("periods", "settle", "rtol", "method", "status", "samples", "known_period")
 _LOOKS, _NEAR = 16, 1e-6  # steps at which rates are compared, and how close they are for one flow
 _TOLERATED = 1e-2  # the same of steps that hold a tolerance, whose polynomials are less close than their ends
 
 
-def arrays_of(run: FlowRun) -> dict[str, Array]:
-    """The dense output as arrays; modes by their places among those of the flow."""
-    modes, pieces = list(run.model.modes), run.pieces
-    arrays = {name: np.asarray(getattr(pieces, name)) for name in _ARRAYS}
-    arrays["switch_times"] = np.array([switch.t for switch in pieces.switches], float)
-    arrays["switch_modes"] = np.array([[modes.index(s.before), modes.index(s.after)] for s in pieces.switches], int).reshape(-1, 2)
-    arrays["end_mode"] = np.array([modes.index(pieces.end_mode)])
-    return {name: array for name, array in arrays.items() if array.size}
+def description_of(flow: Any, names: Sequence[str]) -> str:
+    """The numbers, the names of the states and the modes of a flow, as text."""
+    return json.dumps(as_plain({"numbers": flow.numbers, "names": names, "modes": list(map(repr, flow.modes))}))
 
 
-def description_of(run: FlowRun) -> str:
-    """The numbers, the names and the modes of the flow, and the settings of the run, as text."""
-    flow = run.model
-    kept: dict[str, Any] = {name: getattr(run, name) for name in _OF_RUN}
-    kept |= {} if run.known_period is None else {"known_period": run.known_period}
-    kept |= {"numbers": flow.numbers, "names": run.names, "modes": list(map(repr, flow.modes))}
-    return json.dumps(as_plain(kept))
+def as_now(attrs: dict[str, Any], kept: dict[str, Any]) -> dict[str, Any]:
+    """The attributes of a file in the form in which they are written now; before, those of a flow's run were one text of its pieces."""
+    if attrs["stickslip_content"] != BEFORE:
+        return attrs
+    text = kept["run"]
+    run = json.loads(str(text.item() if isinstance(text, np.ndarray) else text))
+    words = {name: json.dumps(run[name]) for name in ("start", "provenance", "counts")}
+    settings = {name: run[name] for name in _OF_RUN if run.get(name) is not None}
+    return {**attrs, **settings, **words, "flow": json.dumps({name: run[name] for name in ("numbers", "names", "modes")})}
 
 
-def run_from(arrays: dict[str, Array], text: str, given: Sequence[Any]) -> dict[str, Any]:
-    """The arguments of `FlowRun` from a file, with the flow among those that are given.
+def flow_of(described: dict[str, Any], given: Sequence[Any], pieces: FlowPieces, method: str) -> Any:
+    """The flow of a run that was solved by a method, among those that are given, with the numbers of the file.
 
     Raises
     ------
     InputError
         If none of them is the flow of the run.
     """
-    kept = json.loads(text)
-    flow = _flow_of(kept, given)
-    modes, (last,) = list(flow.modes), arrays["end_mode"]
-    times, changes = arrays.get("switch_times", np.empty(0)), arrays.get("switch_modes", np.empty((0, 2), int))
-    switches = [ModeChange(float(t), modes[before], modes[after]) for t, (before, after) in zip(times, changes, strict=True)]
-    states = arrays["coefficients"].shape[1]
-    passed = arrays.get("passed", np.empty((0, states)))
-    pieces = FlowPieces(arrays["t"], arrays["mode"], arrays["coefficients"], passed, switches, arrays["end"], modes[int(last)])
-    _check_rates(flow, pieces, _NEAR if kept["method"] == "exact" else _TOLERATED)
-    return {"model": flow, "pieces": pieces, **{name: kept[name] for name in _OF_RUN}, "known_period": kept.get("known_period")}
+    flow = _like(described, given)
+    if np.any(pieces.switch_modes >= len(flow.modes)) or pieces.end_mode >= len(flow.modes):
+        raise ValueError("it has more modes than its flow")
+    _check_rates(flow, pieces, _NEAR if method == "exact" else _TOLERATED)
+    return flow
 
 
-def _flow_of(kept: dict[str, Any], given: Sequence[Any]) -> Any:
+def _like(kept: dict[str, Any], given: Sequence[Any]) -> Any:
     """The first flow with the states, numbers and modes of the file, with the numbers of the file."""
     what = f"the file holds a run of a flow with the states {', '.join(kept['names'])}"
     for flow in given:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.polynomial.polynomial import polyval
 
 from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.models.state_layout import StateLayout
 from stickslip.results.pieces import DensePieces, count_until
@@ -18,7 +19,7 @@ _LOOKS = 33  # samples of a polynomial on one step, from which its extremes are 
 
 
 class ModeChange(NamedTuple):
-    """A switch: its time, and the modes before and after it."""
+    """A switch: its time, and the modes before and after it, by their names."""
 
     t: float
     before: Any
@@ -38,18 +39,20 @@ class FlowPieces(DensePieces):
         The mode of each step, as its place among the flow's modes.
     coefficients : array (n, states, degree + 1)
         The coefficients c, lowest power first.
-    passed : array (m, states)
-        States between two switches at the same instant.
-    switches : list of ModeChange
-        The switches in order.
     end : array (states,)
         The state at the end, after a switch at that instant.
-    end_mode
-        The mode there.
+    end_mode : int
+        The mode there, as its place.
+    passed : array (m, states), optional
+        States between two switches at the same instant.
+    switch_times : array (switches,), optional
+        The instants of the switches, in order.
+    switch_modes : array (switches, 2) of int, optional
+        The modes before and after each, as their places.
 
     Examples
     --------
-    >>> fall = FlowPieces(np.array([0.0, 2.0]), np.array([0]), np.array([[[1.0, 2.0]]]), np.empty((0, 1)), [], np.array([3.0]), "air")
+    >>> fall = FlowPieces(np.array([0.0, 2.0]), np.array([0]), np.array([[[1.0, 2.0]]]), np.array([3.0]), 0)
     >>> fall.states(np.array([0.5]), np.array([0])).tolist(), fall.until(1.0).end.tolist()
     ([[1.5]], [2.0])
     """
@@ -57,11 +60,22 @@ class FlowPieces(DensePieces):
     t: Array
     mode: Array
     coefficients: Array
-    passed: Array
-    switches: list[ModeChange]
     end: Array
-    end_mode: Any
-    layout: StateLayout = field(default=_NO_BODIES, kw_only=True)
+    end_mode: int
+    passed: Array = None  # type: ignore[assignment]
+    switch_times: Array = None  # type: ignore[assignment]
+    switch_modes: Array = None  # type: ignore[assignment]
+    layout: StateLayout = _NO_BODIES
+
+    apart: ClassVar[tuple[str, ...]] = ("t", "end", "end_mode", "passed", "switch_times", "switch_modes")
+
+    def __post_init__(self) -> None:
+        nothing = {"passed": np.empty((0, len(self.end))), "switch_times": np.empty(0), "switch_modes": np.empty((0, 2), int)}
+        given = {name: none if getattr(self, name) is None else getattr(self, name) for name, none in nothing.items()}
+        for name, value in {**given, "end_mode": int(np.ravel(self.end_mode)[0])}.items():
+            object.__setattr__(self, name, value)
+        if (shape := np.shape(self.switch_modes)) != (len(self.switch_times), 2):
+            raise InputError("FlowPieces", [f"switch_modes of shape {shape}; allowed is ({len(self.switch_times)}, 2), as switch_times"])
 
     @property
     def memory(self) -> Array:
@@ -78,11 +92,11 @@ class FlowPieces(DensePieces):
         n = count_until(self.t, end)
         c = self.coefficients[:n].copy()
         c[-1] *= ((end - self.t[n - 1]) / (self.t[n] - self.t[n - 1])) ** np.arange(c.shape[2])
-        switches = [switch for switch in self.switches if switch.t < end]
-        mode = switches[-1].after if switches else self.switches[0].before if self.switches else self.end_mode
-        return replace(
-            self, t=np.append(self.t[:n], end), mode=self.mode[:n], coefficients=c, switches=switches, end=c[-1].sum(axis=-1), end_mode=mode
-        )
+        before = self.switch_times < end
+        passed = self.switch_modes[before]
+        mode = passed[-1, 1] if len(passed) else self.switch_modes[0, 0] if len(before) else self.end_mode
+        cut = {"t": np.append(self.t[:n], end), "mode": self.mode[:n], "coefficients": c, "end": c[-1].sum(axis=-1), "end_mode": mode}
+        return replace(self, **cut, switch_times=self.switch_times[before], switch_modes=passed)
 
 
 def polynomials(coefficients: Array, theta: Array) -> Array:

@@ -7,15 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.basics.arguments import explains_arguments
-from stickslip.results.flow_files import CONTENT
-from stickslip.results.flow_run import FlowRun
 from stickslip.results.storage import read
 from stickslip.results.trajectory import Trajectory
 
 
 @explains_arguments
 def load(path: str | Path, laws: Sequence[type] = (), machines: Sequence[Any] = ()) -> Trajectory:
-    """Read a run saved by `Trajectory.save`, or by that of a flow.
+    """Read a run saved by `Trajectory.save`.
 
     Parameters
     ----------
@@ -43,5 +41,4 @@ def load(path: str | Path, laws: Sequence[type] = (), machines: Sequence[Any] = 
     >>> same.model == robot, bool((same.v == run.v).all())
     (True, True)
     """
-    content, kept = read(path, laws, machines)
-    return FlowRun(**kept) if content == CONTENT else Trajectory(**kept)
+    return Trajectory(**read(path, laws, machines))

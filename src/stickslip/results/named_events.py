@@ -54,7 +54,7 @@ def _instants(run: Any) -> tuple[Array, Array]:
     """Instants at which functions are asked, with their pieces: the ends of each, and many within."""
     nodes = np.asarray(run.pieces.t)
     lengths = np.diff(nodes)
-    parts = np.maximum(_WITHIN, np.ceil(lengths / (_STEPS * run._step)).astype(int))
+    parts = np.maximum(_WITHIN, np.ceil(lengths / (_STEPS * run._columns.step)).astype(int))
     index = np.repeat(np.arange(len(lengths)), parts + 1)
     within = np.arange(len(index)) - np.repeat(np.cumsum(parts + 1) - (parts + 1), parts + 1)
     t = nodes[index] + lengths[index] * (within / parts[index])
@@ -233,9 +233,9 @@ class _StateAt:
         """A column with axes for all parts."""
         if name in ("x", "v", "z"):
             x, v, z = self._states
-            return {"x": x, "v": v, "z": self._run._of_laws(z)}[name]
+            return {"x": x, "v": v, "z": self._run._columns.of_laws(z)}[name]
         if "_columns" not in self.__dict__:
-            self._columns = self._run._forces_at(self._times, self._index, *self._states)
+            self._columns = self._run._columns.forces_at(self._times, self._index, *self._states)
         if name not in self._columns:
             raise AttributeError(f"s has no {name!r}; it has t, model, x, v, z, bodies, contacts, {', '.join(self._columns)}")
         return self._columns[name]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import fields
 from functools import lru_cache
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -24,6 +24,9 @@ class DensePieces:
     t: Any
     memory: Any
     evaluate: Any
+
+    #: Fields that have no row for each piece.
+    apart: ClassVar[tuple[str, ...]] = ("t",)
 
     @property
     def nodes(self) -> Array:

@@ -26,16 +26,16 @@ from stickslip.models.friction import LAWS, Coulomb
 from stickslip.models.friction.law_adapter import adapted
 from stickslip.models.machines import MECHANISMS
 from stickslip.models.mechanics import lists_parts
+from stickslip.models.model_adapter import adapter_of
 from stickslip.models.robot import Robot
 from stickslip.models.tables import document_of
 from stickslip.results import flow_files
-from stickslip.results.datasets import attributes, names_of_parts, trajectory_dataset, write_csv
-from stickslip.results.dense_output import kind_of_pieces, pieces_from_arrays
+from stickslip.results.datasets import attributes, trajectory_dataset, write_csv
+from stickslip.results.dense_output import KINDS, kind_of_pieces, pieces_from_arrays
 from stickslip.results.events import Event
 from stickslip.results.named_events import KIND
 
 if TYPE_CHECKING:
-    from stickslip.results.flow_run import FlowRun
     from stickslip.results.trajectory import Trajectory
 
 #: Version of the file format; a reader refuses a newer one, and format 1, which no release has written.
@@ -48,8 +48,8 @@ EARLIEST = 2
 def save(run: Any, path: str | Path) -> Path:
     """Write a run to a file; an existing file is replaced. The ending of its name says what it holds.
 
-    A law or a machine of your own is kept by its name and numbers; `stickslip.load` asks for its class again.
-    A drive or a track of your own cannot be kept.
+    A law or a machine of your own is kept by its name and numbers; `stickslip.load` asks for its class again. The functions of a flow are
+    Python code, which no file holds: it asks for the flow. A drive or a track of your own cannot be kept.
 
     Parameters
     ----------
@@ -68,13 +68,10 @@ def save(run: Any, path: str | Path) -> Path:
     InputError
         Of any other ending, and of a place that cannot be written to.
     """
-    path = as_path(path, "save")
+    path = _path_for(path, "run")
     if path.suffix.lower() in _OF_COLUMNS:
         return save_columns(run, path)
-    if path.suffix.lower() not in NETCDF:
-        allowed = f"{', '.join(NETCDF[:-1])}, which `stickslip.load` reads back, or {' or '.join(_OF_COLUMNS)} for the columns alone"
-        raise InputError("save", [f"{str(path)!r} ends in {path.suffix!r}; allowed are {allowed}; type for example run.save('run.nc')"])
-    attrs = {**attributes(run), **_model_attributes(run.model), "stickslip_format": FORMAT, "stickslip_content": "trajectory"}
+    attrs = {**attributes(run), **_model_attributes(run), "stickslip_format": FORMAT, "stickslip_content": "trajectory"}
     attrs |= {} if run.known_period is None else {"known_period": run.known_period}
     import xarray as xr
 
@@ -83,33 +80,29 @@ def save(run: Any, path: str | Path) -> Path:
     arrays = {name: (tuple(f"{name}_{axis}" for axis in range(array.ndim)), array) for name, array in kept.items() if name not in texts}
     packed = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "_FillValue": None}
     pieces = xr.Dataset(arrays, attrs={"kind": kind_of_pieces(run.pieces), **texts})
-    encoding = {str(name): packed for name in data.variables if name not in names_of_parts(run)}
+    encoding = {str(name): packed for name, variable in data.variables.items() if variable.dtype.kind in "biuf"}
     return save_datasets(path, {"": (data, encoding), "pieces": (pieces, {name: {"_FillValue": None} for name in arrays})})
 
 
-def save_flow_run(run: FlowRun, path: str | Path) -> Path:
-    """Write the run of a flow, whose functions `load` is given again; the ending says how, as of `save`. Returns its path."""
-    import xarray as xr
-
-    arrays = {name: (tuple(f"{name}_{axis}" for axis in range(array.ndim)), array) for name, array in flow_files.arrays_of(run).items()}
-    dense = xr.Dataset(arrays, attrs={"kind": "flow", "run": flow_files.description_of(run)})
-    return save_table(run, path, flow_files.CONTENT, "run", {"pieces": (dense, {name: {"_FillValue": None} for name in arrays})})
-
-
-def save_table(result: Any, path: str | Path, content: str, called: str, more: dict[str, Any] | None = None) -> Path:
+def save_table(result: Any, path: str | Path, content: str, called: str) -> Path:
     """Write the columns of a result that is no `Trajectory`; the ending says how. Returns its path.
 
-    `content` says in the file what it is, `called` is the usual name of such a result, and `more` are groups of a netCDF4 file beside
-    its columns.
+    `content` says in the file what it is, and `called` is the usual name of such a result.
     """
-    path = as_path(path, "save", f"{called}.nc")
+    path = _path_for(path, called)
     if path.suffix.lower() in _OF_COLUMNS:
         return save_columns(result, path)
-    if path.suffix.lower() not in NETCDF:
+    attributes = {"stickslip_format": FORMAT, "stickslip_content": content}
+    return save_datasets(path, {"": (result.to_xarray().assign_attrs(attributes), {})})
+
+
+def _path_for(path: str | Path, called: str) -> Path:
+    """The path of a file for a result that is usually called so; `InputError` for an ending that is none of ours."""
+    path = as_path(path, "save", f"{called}.nc")
+    if path.suffix.lower() not in (*NETCDF, *_OF_COLUMNS):
         typed = f"type for example {called}.save('{called}.nc')"
         raise InputError("save", [f"{str(path)!r} ends in {path.suffix!r}; allowed are {_ENDINGS}; {typed}"])
-    attributes = {"stickslip_format": FORMAT, "stickslip_content": content}
-    return save_datasets(path, {"": (result.to_xarray().assign_attrs(attributes), {}), **(more or {})})
+    return path
 
 
 def save_datasets(path: Path, groups: dict[str, tuple[Any, dict[str, Any]]], doing: str = "save") -> Path:
@@ -123,8 +116,11 @@ def save_datasets(path: Path, groups: dict[str, tuple[Any, dict[str, Any]]], doi
     return path
 
 
-def _model_attributes(model: OneContact) -> dict[str, str]:
-    """The model as TOML; a law that TOML cannot name as its name, kind and numbers beside a stand-in."""
+def _model_attributes(run: Trajectory) -> dict[str, str]:
+    """The model as TOML; a law that TOML cannot name as its name, kind and numbers beside a stand-in; what tells a flow from others."""
+    if not adapter_of(run.model).has_bodies:
+        return {"flow": flow_files.description_of(run.model, run.names)}
+    model: OneContact = run.model
     if type(model) is not Robot and type(model) not in MECHANISMS.values() and not lists_parts(model):
         allowed = f"a Robot, a mechanism or a machine of bodies and contacts; type {_COLUMNS_ONLY} for its columns"
         raise InputError("save", [f"the model is a {type(model).__name__}; a file can keep {allowed}"])
@@ -150,8 +146,8 @@ def _toml(model: Any, **changes: Any) -> str:
 _COLUMNS_ONLY = 'run.to_xarray().to_netcdf(path, engine="h5netcdf")'
 
 
-def read(path: str | Path, laws: Sequence[type] = (), machines: Sequence[Any] = ()) -> tuple[str, dict[str, Any]]:
-    """What a file holds that `save` or `save_flow_run` wrote, and the arguments of the run in it."""
+def read(path: str | Path, laws: Sequence[type] = (), machines: Sequence[Any] = ()) -> dict[str, Any]:
+    """The arguments of the run in a file that `save` wrote."""
     path = as_path(path, "load")
     give = "give the path of a file that run.save(path) wrote"
     try:
@@ -167,18 +163,13 @@ def read(path: str | Path, laws: Sequence[type] = (), machines: Sequence[Any] = 
             kept = hdf5.plain_attributes(file["pieces"], allowance, size)
             marks = json.loads(attrs.get("named_events", "[]"))
             named = tuple(Event(float(t), KIND, int(before), int(after), str(name)) for t, name, before, after in marks)
-            if attrs["stickslip_content"] == flow_files.CONTENT:
-                of_flow = flow_files.run_from(_arrays(file), str(_one(kept["run"])), machines)
-                return flow_files.CONTENT, {**of_flow, "named_events": named}
-            objects = {"pieces": _pieces(file, kept), "model": _model(attrs, laws, machines)}
-        kept = {k: attrs[k] for k in ("method", "status", "rtol")} | {k: int(attrs[k]) for k in ("periods", "settle", "samples")}
-        kept |= {"known_period": int(attrs["known_period"])} if "known_period" in attrs else {}
-        return "trajectory", {
-            **objects,
-            **kept,
-            "named_events": named,
-            **{k: json.loads(attrs[k]) for k in ("start", "provenance", "counts")},
-        }
+            attrs = flow_files.as_now(attrs, kept)
+            pieces = _pieces(file, kept)
+            model = _model(attrs, laws, machines, pieces)
+        settings = {k: attrs[k] for k in ("method", "status", "rtol")} | {k: int(attrs[k]) for k in ("settle", "samples")}
+        whole = {k: int(attrs[k]) if k in attrs else None for k in ("periods", "known_period")}
+        words = {k: json.loads(attrs[k]) for k in ("start", "provenance", "counts")}
+        return {"model": model, "pieces": pieces, **settings, **whole, **words, "named_events": named}
     except InputError:
         raise
     except OSError as error:
@@ -199,12 +190,13 @@ def _arrays(file: Any) -> dict[str, Any]:
 
 def _pieces(file: Any, attrs: dict[str, Any]) -> Any:
     """The dense output: its arrays and its layout."""
-    arrays = _arrays(file)
+    arrays, kind = _arrays(file), _one(attrs["kind"])
     count = len(arrays["t"]) - 1
-    if count < 1 or not np.all(np.diff(arrays["t"]) >= 0) or any(a.shape[:1] != (count,) for k, a in arrays.items() if k != "t" and a.ndim):
+    rows = (array for name, array in arrays.items() if name not in KINDS[kind].apart and array.ndim)
+    if count < 1 or not np.all(np.diff(arrays["t"]) >= 0) or any(array.shape[:1] != (count,) for array in rows):
         raise ValueError("its pieces do not follow one another")
     try:
-        return pieces_from_arrays(_one(attrs["kind"]), {**arrays, "layout": _one(attrs["layout"])})
+        return pieces_from_arrays(kind, arrays | ({"layout": _one(attrs["layout"])} if "layout" in attrs else {}))
     except InputError as error:
         raise ValueError("; ".join(error.problems)) from None
 
@@ -218,16 +210,18 @@ def _check_format(attrs: Any, path: Path, dense: bool) -> None:
         why = f"has format {version}, which no release has written; {allowed}"
     elif version > FORMAT:
         why = f"has format {version}, this stickslip reads up to {FORMAT}; type pip install --upgrade stickslip"
-    elif content == flow_files.CONTENT and not dense:
+    elif content == flow_files.BEFORE and not dense:
         why = "holds the columns of a run of a flow alone, as stickslip wrote them earlier; open it with xarray.open_dataset"
-    elif content not in ("trajectory", flow_files.CONTENT):
+    elif content not in ("trajectory", flow_files.BEFORE):
         why = f"holds a {content}, not a trajectory; open it with xarray.open_dataset"
     else:
         return
     raise InputError("load", [f"{str(path)!r} {why}"])
 
 
-def _model(attrs: dict[str, Any], laws: Sequence[type], machines: Sequence[type]) -> Any:
+def _model(attrs: dict[str, Any], laws: Sequence[type], machines: Sequence[Any], pieces: Any) -> Any:
+    if "flow" in attrs:
+        return flow_files.flow_of(json.loads(attrs["flow"]), machines, pieces, attrs["method"])
     if "machine" in attrs:
         return _own_machine(str(attrs["machine"]), machines).from_toml(attrs["robot"])
     robot = from_text(attrs["robot"])
@@ -284,7 +278,7 @@ class _UnknownSetValued:
 
 
 # ---- columns ----
-def save_columns(run: Trajectory | FlowRun, path: Path) -> Path:
+def save_columns(run: Trajectory, path: Path) -> Path:
     """Write the columns of a run to a file whose ending is one of theirs."""
     return _OF_COLUMNS[path.suffix.lower()](run, path)
 

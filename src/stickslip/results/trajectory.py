@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -14,30 +15,24 @@ from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.basics.errors import InputError, StickslipError, did_you_mean
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.notebook_display import Drawn
+from stickslip.basics.presenting import presenter
 from stickslip.basics.status import INTERRUPTED, Status
 from stickslip.basics.variables import VARIABLES
-from stickslip.models import forces
 from stickslip.models.angular_coordinates import unit_of_part
-from stickslip.models.contact_forces import held_by_controllers
-from stickslip.models.drives.drive_adapter import LEVEL, MISTAKEN
-from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.normal_loads import normal_load
 from stickslip.models.rounding import without_rounding
-from stickslip.models.state_layout import of_one_contact
-from stickslip.results.dense_output import inner_rates
-from stickslip.results.events import Event, aloft_of, events_of, flights_of, hits_of, nodes_at
-from stickslip.results.part_notes import shared_at_rest
-from stickslip.results.part_runs import BodyRun, ContactRun, ControllerRun, PlacedBodyRun
+from stickslip.results.body_columns import BodyColumns
+from stickslip.results.part_runs import BodyRun, ControllerRun, PlacedBodyRun
+from stickslip.results.run_columns import RunColumns
 from stickslip.results.run_files import RunFiles
-from stickslip.results.steadiness import Steadiness, drifting_apart, steadiness_of_run
-from stickslip.results.verbs import Judged
+from stickslip.results.state_columns import StateColumns
+from stickslip.results.steadiness import Steadiness, steadiness_of_run
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-#: Samples of a run that has no period: this many times `samples` in all.
-APERIODIC = 10
+    from stickslip.results.events import Event
+
 #: Velocities of bodies in the columns of a run up to which its motion is judged when it is printed.
 _AT_A_GLANCE = 200_000
 #: What to type for names that a run does not have.
@@ -55,53 +50,38 @@ _INSTEAD = {
     "period": "run.motion.period, in drive periods, or run.period_time [s]",
     **dict.fromkeys(("savefig", "figure", "save_figure"), 'run.plot().figure.savefig("run.png", dpi=600)'),
     **dict.fromkeys(("to_pandas", "to_frame", "df"), "run.to_dataframe()"),
+    **{name: f"run.pieces.{name}, of a flow" for name in ("coefficients", "passed")},
+    "modes": "run.pieces.mode for the mode of each step, by its place, or run.mode for that at run.t",
 }
 
 
-def _as_column(z: Array) -> Any:
-    """None for no inner states; the only one without an axis of its own, where there is none for contacts either."""
-    return None if z.shape[-1] == 0 else z[:, 0] if z.shape[1:] == (1,) else z
-
-
-_SEVERAL = ("slip", "load")  # columns that files have only where there are several contacts
-
-
-def _at_distances(mechanics: Any, t: Any, x: Any, v: Any) -> tuple[Any, Any]:
-    """Positions and velocities of bodies at prescribed distances, whose columns hold those of the coordinates they move with."""
-    first = {mechanics.coordinate_of(name): i for i, name in reversed(list(enumerate(mechanics.bodies)))}
-    q, u = (tuple(of[:, first[c]] for c in range(mechanics.coordinates)) for of in (x, v))
-    rows = (mechanics.positions(t, q), mechanics.velocities(t, u))
-    x, v = (np.stack([np.broadcast_to(each, t.shape) for each in of], axis=1) for of in rows)
-    return x, v
-
-
 class _Column(property):
-    """A property, of which type checkers know that it is an array."""
+    """A property that is a column, of which type checkers know that it is an array."""
 
     if TYPE_CHECKING:
 
         def __get__(self, run: Trajectory, of: type | None = None) -> NDArray[np.float64]: ...  # type: ignore[override]
 
 
-def _force_column(name: str) -> _Column:
-    variable = VARIABLES[name]
+def _column(name: str, about: str) -> _Column:
+    """A column of the run's own columns."""
 
     def column(self: Any) -> Any:
-        if name not in self._forces:
-            why = f"{type(self.model).__name__} has no drive" if variable.dims == ("time",) else "only machines of several contacts have it"
-            raise AttributeError(f"this run has no {name}: {why}")
-        return self._forces[name]
+        return getattr(self._columns, name)
 
-    column.__doc__ = (
-        f"{variable.long_name[0].upper()}{variable.long_name[1:]} [{variable.unit}]."  # given as doc=, that of the class hides it
-    )
+    column.__doc__ = about  # given as doc=, that of the class hides it
     return _Column(column)
+
+
+def _force(name: str) -> _Column:
+    variable = VARIABLES[name]
+    return _column(name, f"{variable.long_name[0].upper()}{variable.long_name[1:]} [{variable.unit}].")
 
 
 @described_as("a Trajectory; type for example ss.solve(robot)")
 @sealed
 @dataclass(frozen=True, eq=False)
-class Trajectory(Drawn, Judged, RunFiles):
+class Trajectory(Drawn, RunFiles):
     """One run of one machine. It is computed once by `solve`; everything here only reads it.
 
     Its columns are arrays over the same instants: `samples` in each drive period (ten times `samples` over the whole run where the model
@@ -135,16 +115,20 @@ class Trajectory(Drawn, Judged, RunFiles):
     states than another. Where a machine names a principal body, columns are those of this body and of its contact, (time,) as a Robot's
     are. Of any run ``run.bodies[name].x`` and ``run.contacts[name].mode`` are (time,); the names of a Robot's are "body" and "contact".
 
+    A `SwitchingFlow` names its states itself and has no bodies: ``run[name]`` is the column of a state, ``run.y`` all of them, ``run.mode``
+    the mode by its name, ``run.events`` the switches (t, before, after), and ``run.contacts[name]`` has slip, load, friction force and mode
+    of a contact. ``run.state`` and ``run.end_mode`` are where it ends, after a switch at that instant. Their units are those of the flow.
+
     Parameters
     ----------
-    model : Robot or a mechanism
+    model : Robot, a mechanism, a machine of several bodies, or SwitchingFlow
         What was solved.
     pieces : DensePieces
-        The dense output.
+        The dense output, which says what the columns hold: those of bodies and contacts, or of states by their names.
     periods, settle : int
-        Drive periods simulated, and how many of them the mean velocity excludes.
+        Drive periods simulated, and how many of them the mean velocity excludes. Of a flow that was given a duration `periods` is None.
     rtol : float
-        Relative tolerance of the run.
+        Relative tolerance of the run; of a flow that of its steps, 0 where they are exact to rounding.
     method : str
         Name of the solver.
     status : str
@@ -173,11 +157,19 @@ class Trajectory(Drawn, Judged, RunFiles):
     (401, [], 0.0)
     >>> run.x.shape, bool((run.bodies["body"].x == run.x).all())
     ((401,), True)
+
+    The run of a flow:
+
+    >>> hit = ss.Switch(lambda t, y: y[0], 0, lambda t, y: (0.0, -0.8 * y[1]))
+    >>> ball = ss.SwitchingFlow({0: lambda t, y: (y[1], -9.81)}, {0: (hit,)}, states=("height", "v"))
+    >>> run = ss.solve(ball, start={"height": 1.0}, duration=1.0)
+    >>> run.method, round(run.events[0].t, 6), round(float(run.at(0.7)["height"]), 6), round(float(run.highest[0]), 6)
+    ('exact', 0.451524, 0.577653, 1.0)
     """
 
     model: Any
     pieces: Any
-    periods: int
+    periods: Any
     settle: int
     rtol: float
     method: str
@@ -190,20 +182,16 @@ class Trajectory(Drawn, Judged, RunFiles):
     named_events: tuple[Event, ...] = ()
 
     # ---- time ----
+    @cached_property
+    def _columns(self) -> Any:
+        """What its columns hold: those of bodies and contacts, or, of a run without bodies, of states by their names."""
+        kind: type[RunColumns] = BodyColumns if self.pieces.layout.bodies else StateColumns
+        return kind(self.model, self.pieces, self.samples)
+
     @property
     def period_time(self) -> float:
         """Period T of the drive [s]; an error if the model has none."""
-        if self.model.period is None:
-            why = f"{type(self.model).__name__} has no period, so this run has neither period_time nor strobe points"
-            raise InputError("Trajectory", [f"{why}; type run.at(t) for its state at times of your own"])
-        return float(self.model.period)
-
-    @property
-    def _step(self) -> float:
-        """Time between the samples of the columns [s]."""
-        if self.model.period is None:
-            return float(self.pieces.t[-1] - self.pieces.t[0]) / (APERIODIC * self.samples)
-        return self.period_time / self.samples
+        return float(self._columns.period_time)
 
     @property
     def window(self) -> tuple[float, float]:
@@ -247,47 +235,13 @@ class Trajectory(Drawn, Judged, RunFiles):
         return replace(self, pieces=whole, periods=periods, settle=settle, status=Status.FINISHED.sentence)
 
     @cached_property
-    def events(self) -> list[Event]:
+    def events(self) -> list[Any]:
         """Every change of mode, impulse, switch of a memory, hit on a stop, take-off and landing, and the named events, in order.
 
         Under a dynamic law modes change where v reverses. At one instant there is one for each contact that changed, in the order of
-        `contacts`, after hits and landings.
+        `contacts`, after hits and landings. Of a flow these are its switches: t, and the modes before and after.
         """
-        hits = [hit for _, hit in (*self._hits, *self._flights)]
-        changes = events_of(self.pieces, self._impulses, self._lost, self._aloft)
-        return sorted([*hits, *self.named_events, *changes], key=lambda event: event.t)
-
-    @cached_property
-    def _hits(self) -> list[tuple[int, Event]]:
-        """Hits on stops, each with the number of its node."""
-        machine = machine_of(self.model)
-        if not machine.mechanics.stops:
-            return []
-        return hits_of(self.pieces, machine.mechanics, float(machine.velocity_scale), float(machine.time_scale or 1.0))
-
-    @cached_property
-    def _aloft(self) -> Any:
-        """On which pieces contacts fly: array (pieces, contacts)."""
-        return aloft_of(self.pieces, machine_of(self.model).laws)
-
-    @cached_property
-    def _flights(self) -> list[tuple[int, Event]]:
-        """Take-offs and landings, each with the number of its node."""
-        return flights_of(self.pieces, self._aloft)
-
-    @cached_property
-    def _thrown_together(self) -> tuple[str, ...]:
-        """Names of the points that landed at one instant and of which some were thrown up: a motion beside hits with one after the other.
-
-        Where and how fast it goes on then is something else, however near it began: there is no derivative through such a hit.
-        """
-        landed: dict[int, list[str]] = {}
-        for node, event in self._flights:
-            if event.kind == "landing":
-                landed.setdefault(node, []).append(event.part)
-        names = list(self.contacts)
-        thrown = (of for node, of in landed.items() if len(of) > 1 and any(self._aloft[node, names.index(name)] for name in of))
-        return tuple(dict.fromkeys(name for of in thrown for name in of))
+        return list(self._columns.events(self))
 
     @property
     def _lost(self) -> list[str]:
@@ -300,37 +254,17 @@ class Trajectory(Drawn, Judged, RunFiles):
 
     def _switch_times(self, name: str) -> Array:
         """The instants of a switch by its name, such as "stick of block"."""
-        kind, _, contact = name.partition(" of ")
-        return np.array([event.t for event in self.events if event.kind == kind and event.part == contact])
+        times: Array = self._columns.switch_times(self, name)
+        return times
 
-    @cached_property
-    def _impulses(self) -> list[tuple[float, float]]:
-        return forces.impulses_until(self.model, float(self.pieces.t[-1]))
-
-    @cached_property
-    def _instants(self) -> tuple[Any, Any]:
-        """The sampled times and the piece of each; an event at which v jumps stands there with both its pieces."""
-        nodes, step = self.pieces.t, self._step
-        grid = np.arange(max(int(np.ceil((nodes[-1] - nodes[0]) / step - 1e-6)), 1) + 1) * step + nodes[0]
-        grid[-1] = nodes[-1]
-        changes = np.flatnonzero(np.any(np.diff(self.pieces.mode, axis=0) != 0, axis=1)) + 1
-        thrown = nodes_at(self.pieces, [t for t, _ in self._impulses])
-        if others := [*thrown, *(node for node, _ in (*self._hits, *self._flights))]:
-            changes = np.union1d(changes, others)
-        events = nodes[changes]
-        if len(events):
-            after = np.minimum(np.searchsorted(events, grid), len(events) - 1)
-            near = np.minimum(abs(grid - events[after]), abs(grid - events[np.maximum(after - 1, 0)]))
-            grid = grid[near > 1e-12 * step * self.samples]
-        jumps = changes[self.pieces.jumps(changes, 1e-6 * machine_of(self.model).velocity_scale)] if len(changes) else changes
-        t = np.concatenate([grid, nodes[jumps], events])
-        index = np.concatenate([self._index(grid), jumps - 1, changes])
-        order = np.lexsort((index, t))
-        return t[order], index[order]
+    @property
+    def nodes(self) -> NDArray[np.float64]:
+        """Times between which every state is smooth: the ends of the pieces [s]."""
+        return self.pieces.nodes
 
     def _index(self, t: ArrayLike) -> Any:
         """The piece on which a time lies (the later one at a node)."""
-        return np.clip(np.searchsorted(self.pieces.t, t, side="right") - 1, 0, len(self.pieces.mode) - 1)
+        return self._columns.index(t)
 
     # ---- bodies and contacts ----
     @cached_property
@@ -347,25 +281,10 @@ class Trajectory(Drawn, Judged, RunFiles):
         layout = self.pieces.layout
         return self if not layout.own else replace(self, pieces=replace(self.pieces, layout=replace(layout, single=False, principal=None)))
 
-    def _own(self, name: str, column: Any) -> Any:
-        """A column with axes for all parts, as this run has it: without those of length one, and of its principal body or contact alone."""
-        number = next((self.pieces.layout.own[dim] for dim in VARIABLES[name].dims if dim in self.pieces.layout.own), None)
-        if name == "z":
-            layout = self.pieces.layout
-            return _as_column(column if number is None else column[:, number, : len(layout.contacts[number].inner)])
-        return column if number is None or column is None else column[:, number]
-
     def _states_at(self, t: ArrayLike, index: Any) -> tuple[Any, Any, Any]:
-        """x and v (time, body) and z (time, contact or controller, state) at times on given pieces."""
-        x, v, z = self.pieces.evaluate(t, index)
-        bodies = self.pieces.layout.bodies
-        if len({body.velocity for body in bodies}) < len(bodies):
-            x, v = _at_distances(machine_of(self.model).mechanics, t, x, v)
-        return x, v, z
-
-    def _beside_switches(self, name: str) -> tuple[Any, Any]:
-        """A state right before and right after each switch; none of a position, which does not jump."""
-        return np.zeros(0), np.zeros(0)
+        """x and v (time, body) and z (time, contact or controller, state) at times on given pieces; `NoBodies` of the run of a flow."""
+        states: tuple[Any, Any, Any] = self._columns.states_at(t, index)
+        return states
 
     @property
     def bodies(self) -> dict[str, Any]:
@@ -386,9 +305,10 @@ class Trajectory(Drawn, Judged, RunFiles):
         return {body.name: BodyRun(self.with_axes, i) for i, body in enumerate(self.pieces.layout.bodies)}
 
     @property
-    def contacts(self) -> dict[str, ContactRun]:
+    def contacts(self) -> Mapping[str, Any]:
         """The columns of each contact by its name."""
-        return {contact.name: ContactRun(self.with_axes, i) for i, contact in enumerate(self.pieces.layout.contacts)}
+        contacts: Mapping[str, Any] = self._columns.contacts(self)
+        return contacts
 
     @property
     def controllers(self) -> dict[str, ControllerRun]:
@@ -399,77 +319,88 @@ class Trajectory(Drawn, Judged, RunFiles):
     @property
     def t(self) -> NDArray[np.float64]:
         """Times of the columns [s]."""
-        return self._instants[0]
-
-    @cached_property
-    def _states(self) -> tuple[Any, Any, Any]:
-        """x, v and z of all bodies and contacts, as `_states_at` gives them."""
-        return self._states_at(*self._instants)
+        times: NDArray[np.float64] = self._columns.instants[0]
+        return times
 
     @property
     def _held(self) -> Any:
         """Inner states of laws and controllers (time, contact or controller, state)."""
-        return self._states[2]
+        return self._columns.states[2]
 
-    @property
-    def x(self) -> NDArray[np.float64]:
-        """Position of the body [m]; (time, body) for several bodies."""
-        return self._own("x", self._states[0])
-
-    @property
-    def v(self) -> NDArray[np.float64]:
-        """Velocity of the body [m/s]; (time, body) for several bodies."""
-        return self._own("v", self._states[1])
+    x = _column("x", "Position of the body [m]; (time, body) for several bodies.")
+    v = _column("v", "Velocity of the body [m/s]; (time, body) for several bodies.")
 
     @property
     def z(self) -> NDArray[np.float64] | None:
         """Inner state of the law: (time,) if it has one, (time, state) if more, None if it has none; (time, contact, state) of several."""
-        return self._own("z", self._of_laws(self._states[2]))
+        z: NDArray[np.float64] | None = self._columns.z
+        return z
 
-    def _of_laws(self, z: Array) -> Any:
-        """The inner states of the laws among those of laws and controllers."""
-        layout = self.pieces.layout
-        if not layout.controllers:
-            return z
-        return z[:, : len(layout.contacts), : max((len(contact.inner) for contact in layout.contacts), default=0)]
+    @property
+    def mode(self) -> Any:
+        """+1 forwards, 0 stuck, -1 backwards (dynamic laws: the sign of v at the contact); (time, contact) of several; a flow's by name."""
+        return self._columns.mode
+
+    acceleration = _force("acceleration")
+    friction_force = _force("friction_force")
+    slip = _force("slip")
+    load = _force("load")
+    drive_force = _force("drive_force")
+    xi = _force("xi")
+    xi_rate = _force("xi_rate")
+    xi_acceleration = _force("xi_acceleration")
+    actuator_force = _force("actuator_force")
+    actuator_power = _force("actuator_power")
+
+    # ---- states that the model names itself ----
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of a flow's states."""
+        names: tuple[str, ...] = self._columns.names
+        return names
+
+    y = _column("y", "A flow's states (time, state).")
+    lowest = _column("lowest", "The smallest value of each state of a flow (state,), also between the steps.")
+    highest = _column("highest", "The largest value of each state of a flow (state,), also between the steps.")
+    strobe = _column("strobe", "A flow's states at the strobe times (strobe, state), after a switch that falls there.")
+    state = _column("state", "A flow's state at the end (state,), after a switch at that instant.")
+    strobe_state = _column("strobe_state", "The same as analyses take it, with the place of its mode behind.")
+
+    @property
+    def end_mode(self) -> Any:
+        """A flow's mode at the end, after a switch at that instant."""
+        return self._columns.end_mode
+
+    @property
+    def mode_at(self) -> Any:
+        """The same as `mode`."""
+        return self.mode
+
+    @property
+    def mean_velocity(self) -> float:
+        """Mean steady velocity [m/s], that of ``ss.mean_velocity(run)``.
+
+        Of several bodies it is that of their centre of mass, of a flow the mean rate of its first cyclic coordinate; a flow without one
+        has no displacement, and the attribute is missing.
+        """
+        velocity: float = self._columns.mean_velocity(self)
+        return velocity
 
     @cached_property
-    def mode(self) -> NDArray[np.int8]:
-        """+1 forwards, 0 stuck, -1 backwards (dynamic laws: the sign of v at the contact); (time, contact) of several."""
-        return self._own("mode", self.pieces.mode[self._instants[1]])
+    def motion(self) -> Any:
+        """The motion at its end, that of ``ss.motion(run)``, which takes other thresholds."""
+        return presenter("number", "motion")(self)
 
     @cached_property
-    def _forces(self) -> dict[str, Any]:
-        return self._at_door(self._forces_at(*self._instants, *self._states))
+    def mean_rates(self) -> dict[str, float]:
+        """Mean rate of each cyclic coordinate of a flow, by name, over whole motion periods after settling (else over all of the run)."""
+        return dict(self._columns.mean_rates(self))
 
-    def _at_door(self, columns: dict[str, Any]) -> dict[str, Any]:
-        """Columns with axes for all parts as this run has them; slip and load only of machines that may have several contacts."""
-        hidden = _SEVERAL if self.pieces.layout.single else ()
-        return {name: self._own(name, column) for name, column in columns.items() if name not in hidden}
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        column: NDArray[np.float64] = self._columns.state_named(name)
+        return column
 
-    def _forces_at(self, t: Array, index: Any, x: Array, v: Array, z: Array) -> dict[str, Any]:
-        """Every force of all bodies and contacts, from states as `_states_at` gives them."""
-        z, rates = (np.moveaxis(of, -1, 0) for of in (z, inner_rates(self.pieces, t, index)))
-        memory = tuple(self.pieces.memory[index].T)
-        return forces.columns(self.model, self.pieces.mode[index], self._within(t, index), x, v, z, rates, memory)
-
-    def _within(self, t: ArrayLike, index: Any) -> Any:
-        """Times moved off the ends of their pieces where the drive may jump there, so that it answers for the right piece."""
-        if not (machine_of(self.model).breaks or self._impulses):
-            return t
-        aside, nodes = 1e-12 * self.period_time, self.pieces.t
-        return np.clip(t, nodes[index] + aside, np.maximum(nodes[index + 1] - aside, nodes[index] + aside))
-
-    acceleration = _force_column("acceleration")
-    friction_force = _force_column("friction_force")
-    slip = _force_column("slip")
-    load = _force_column("load")
-    drive_force = _force_column("drive_force")
-    xi = _force_column("xi")
-    xi_rate = _force_column("xi_rate")
-    xi_acceleration = _force_column("xi_acceleration")
-    actuator_force = _force_column("actuator_force")
-    actuator_power = _force_column("actuator_power")
+    __iter__ = None  # a run is no sequence, though it has states by name
 
     @explains_arguments
     def at(self, t: Numbers) -> dict[str, Any]:
@@ -484,12 +415,11 @@ class Trajectory(Drawn, Judged, RunFiles):
         -------
         dict
             t, x, v, z, mode and all forces, each of the shape of `t` (z with a last axis if it has several states); for a machine of
-            several bodies and contacts their axis follows.
+            several bodies and contacts their axis follows. For a flow t, mode, each state by its name, and slip, load and friction force
+            of each contact with its name behind, as "friction_force_belt".
         """
         shape, t, index = self._placed(t)
-        x, v, z = self._states_at(t, index)
-        every = {"x": x, "v": v, "mode": self.pieces.mode[index], **self._forces_at(t, index, x, v, z), "z": self._of_laws(z)}
-        columns = {"t": t, **self._at_door(every)}
+        columns = {"t": t, **self._columns.at(t, index)}
         return {name: None if column is None else column.reshape(shape + column.shape[1:])[()] for name, column in columns.items()}
 
     def _placed(self, t: Any) -> tuple[Any, Array, Array]:
@@ -499,79 +429,42 @@ class Trajectory(Drawn, Judged, RunFiles):
         slack = 1e-12 * (last - first)
         if not np.all((t >= first - slack) & (t <= last + slack)):
             given, allowed = f"t reaches from {t.min():.9g} to {t.max():.9g} s", f"{first:.9g} to {last:.9g} s"
-            raise InputError(f"{type(self).__name__}.at", [f"{given}; allowed is {allowed}, the time of the run"])
+            raise InputError("Trajectory.at", [f"{given}; allowed is {allowed}, the time of the run"])
         t = np.clip(t, first, last)
         return shape, t, self._index(t)
 
     # ---- strobe ----
-    @cached_property
+    @property
     def strobe_times(self) -> NDArray[np.float64]:
         """The starts of the drive periods, k T [s], and the end of the last whole one."""
-        count = int(float(self.pieces.t[-1] - self.pieces.t[0]) / self.period_time + 1e-9)
-        return np.minimum(self.pieces.t[0] + np.arange(count + 1) * self.period_time, self.pieces.t[-1])
+        times: NDArray[np.float64] = self._columns.strobe_times
+        return times
 
-    @cached_property
+    @property
     def _strobe(self) -> tuple[Any, Any, Any, Any]:
         """States and memories at the strobe times, after an impulse or a sample that falls on one."""
-        t, nodes = self.strobe_times, self.pieces.t
-        index = self._index(t + 1e-12 * self.period_time)
-        x, v, z = self._states_at(np.maximum(t, nodes[index]), index)
-        memory = np.array(self.pieces.memory[index])
-        jump = sum(jump for time, jump in self._impulses if abs(time - t[-1]) < 1e-9 * self.period_time and t[-1] >= nodes[-1])
-        if memory.shape[1] and np.any(jump):
-            z[-1], memory[-1] = self._thrown(float(t[-1]), x[-1], v[-1], z[-1], memory[-1], jump)
-        v[-1] += jump
-        if t[-1] >= nodes[-1]:
-            z[-1:] = self._sampled(t[-1:], x[-1:], v[-1:], z[-1:])
-        return x, v, z, memory
-
-    def _sampled(self, t: Array, x: Array, v: Array, z: Array) -> Any:
-        """Inner states after a sample of the controllers at the end of the run, where one falls on it."""
-        mechanics: Any = machine_of(self.model).mechanics
-        every = mechanics.controllers.sample
-        if every is None or abs(t[0] / every - np.rint(t[0] / every)) > 1e-9 * t[0] / every:
-            return z
-        q, u = mechanics.coordinates_of(tuple(x.T)), mechanics.coordinates_of(tuple(v.T))
-        states, z = (np.ravel(new) for new in mechanics.control_sampled(t, q, u, held_by_controllers(mechanics, z))), z.copy()
-        for i, count in enumerate(mechanics.controllers.counts):
-            for k in range(count):
-                z[:, len(mechanics.contacts) + i, k] = next(states)
-        return z
-
-    def _thrown(self, t: float, x: ArrayLike, v: ArrayLike, z: ArrayLike, memory: Any, jump: Any) -> tuple[Any, Any]:
-        """Inner states and memories after an impulse, which may carry the slip through zero."""
-        of_one_contact("run.strobe_z", self, "an impulse at its end carries the memories of one law through zero")
-        x, v, jump = (float(np.ravel(of)[0]) for of in (x, v, jump))
-        slip = float(self.model.contact_velocity(v))
-        if slip * (slip + jump) >= 0:
-            return z, memory
-        load = normal_load(self.model, t, x)
-        return law_of(self.model).passed_zero(tuple(map(float, np.ravel(z))), load, tuple(map(int, memory)))
-
-    @property
-    def strobe_x(self) -> NDArray[np.float64]:
-        """Position at the strobe times [m], shaped like `x`."""
-        return self._own("x", self._strobe[0])
-
-    @property
-    def strobe_v(self) -> NDArray[np.float64]:
-        """Velocity at the strobe times [m/s], after an impulse at that instant, shaped like `v`."""
-        return self._own("v", self._strobe[1])
-
-    @property
-    def strobe_z(self) -> NDArray[np.float64] | None:
-        """Inner state at the strobe times, shaped like `z`."""
-        return self._own("z", self._of_laws(self._strobe[2]))
+        points: tuple[Any, Any, Any, Any] = self._columns.strobe_points
+        return points
 
     @property
     def _strobe_inner(self) -> Any:
         """Inner states of laws and controllers at the strobe times (time, contact or controller, state)."""
         return self._strobe[2]
 
+    strobe_x = _column("strobe_x", "Position at the strobe times [m], shaped like `x`.")
+    strobe_v = _column("strobe_v", "Velocity at the strobe times [m/s], after an impulse at that instant, shaped like `v`.")
+
+    @property
+    def strobe_z(self) -> NDArray[np.float64] | None:
+        """Inner state at the strobe times, shaped like `z`."""
+        z: NDArray[np.float64] | None = self._columns.strobe_z
+        return z
+
     @property
     def strobe_memory(self) -> NDArray[np.float64] | None:
         """Discrete memories of laws at the strobe times: (time,), or (time, memory) if there are several; None if none."""
-        return _as_column(self._strobe[3])
+        memory: NDArray[np.float64] | None = self._columns.strobe_memory
+        return memory
 
     # ---- doors ----
     @cached_property
@@ -582,21 +475,7 @@ class Trajectory(Drawn, Judged, RunFiles):
     @property
     def notes(self) -> list[str]:
         """Remarks on the machine's numbers, an early end, motion not settled, bodies that drift apart, and friction not determined."""
-        remarks = (self._early_end, *machine_of(self.model).notes, self._settled, drifting_apart(self.with_axes), shared_at_rest(self))
-        return [note for note in remarks if note]
-
-    @property
-    def _early_end(self) -> str:
-        return f"the run was {self.status}; type run.shortened() for what analyses take" if self.interrupted else ""
-
-    @property
-    def _settled(self) -> str:
-        if self.interrupted:
-            return ""
-        layout = self.pieces.layout
-        if len(layout.bodies) != len(machine_of(self.model).mechanics.bodies):
-            return f"whether a motion of {layout.description} has settled is not judged"
-        return self.steadiness.note
+        return list(self._columns.notes(self))
 
     if not TYPE_CHECKING:  # a type checker would take every name for one of ours
 
@@ -609,20 +488,13 @@ class Trajectory(Drawn, Judged, RunFiles):
             raise AttributeError(f"a run has no {name!r}" + ("" if name.startswith("_") else f"; {hint}"))
 
     def __repr__(self) -> str:
-        seconds = f"{float(self.pieces.t[-1] - self.pieces.t[0]):.6g} s"
-        length = seconds if self.model.period is None else f"{self.periods} periods of {self.period_time:.6g} s"
-        notes = machine_of(self.model).notes
-        mistaken = "".join(f"; {note}" for note in notes if note.startswith(MISTAKEN))
-        mistaken += "".join(f"; {note.partition(';')[0]} (see run.notes)" for note in notes if note.startswith(LEVEL))
-        words = self._moves
-        moves = ", ".join(f"mean velocity {text}" if name == "mean velocity" else text for name, text in words.items())
-        return f"<Trajectory: {length} by {self.method}, {self.status}{'; ' * bool(words)}{moves}{mistaken}>"
+        return f"<Trajectory: {self._columns.words(self)}>"
 
     @cached_property
     def _moves(self) -> dict[str, str]:
         """Mean velocity, motion and steadiness in words, as far as the run has them; the motion of a long run is not judged for it."""
         words: dict[str, str] = {}
-        numbers = float(self.pieces.t[-1] - self.pieces.t[0]) / self._step * len(self.pieces.layout.bodies)
+        numbers = float(self.pieces.t[-1] - self.pieces.t[0]) / self._columns.step * len(self.pieces.layout.bodies)
         with suppress(StickslipError):
             whole = " over the run" * (self.model.period is None)  # its transient included; `motion` has that of the cycle
             way = without_rounding(self.mean_velocity, self.model)
@@ -633,16 +505,9 @@ class Trajectory(Drawn, Judged, RunFiles):
                 words["steadiness"] = self.steadiness.word
         return words
 
-    _drawn_by = "velocity"
+    @property
+    def _drawn_by(self) -> str:  # type: ignore[override]
+        return str(self._columns.drawn_by)
 
     def _facts(self) -> dict[str, Any]:
-        length = f"{float(self.pieces.t[-1] - self.pieces.t[0]):.6g} s"
-        periods = {} if self.model.period is None else {"periods": f"{self.periods} of {self.period_time:.6g} s ({self.settle} to settle)"}
-        return {
-            "machine": type(self.model).__name__,
-            "method": self.method,
-            "status": self.status,
-            "length": length,
-            **periods,
-            **self._moves,
-        }
+        return dict(self._columns.facts(self))

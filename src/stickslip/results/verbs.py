@@ -3,30 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.arguments import explains_arguments
-from stickslip.basics.presenting import presenter
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-
-
-class Judged:
-    """A run, of which `stickslip.analysis` says how it moves."""
-
-    @property
-    def mean_velocity(self) -> float:
-        """Mean steady velocity [m/s], that of ``ss.mean_velocity(run)``; of several bodies that of their centre of mass."""
-        return presenter("number", "mean_velocity")(self)
-
-    @cached_property
-    def motion(self) -> Any:
-        """The motion at its end, that of ``ss.motion(run)``, which takes other thresholds."""
-        return presenter("number", "motion")(self)
 
 
 class OfOneRun(ABC):

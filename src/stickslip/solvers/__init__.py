@@ -112,7 +112,6 @@ def solve(
     Returns
     -------
     Trajectory or Summary
-        For one case of a `SwitchingFlow` a `FlowRun`.
 
     Raises
     ------

@@ -14,9 +14,9 @@ from stickslip.basics.fields import number
 from stickslip.basics.interruption import is_outermost, takes_some_cases
 from stickslip.basics.progress import reporting
 from stickslip.models.switching_flow import knows_mode, unknown_mode
-from stickslip.solvers.flow_engine import traced_flow
+from stickslip.solvers.flow_engine import steps_of_flow, traced_flow
 from stickslip.solvers.flow_starts import starting_modes
-from stickslip.solvers.settings import Request, Settings, check_duration, check_keep, check_rtol
+from stickslip.solvers.settings import Request, Settings, check_duration, check_keep, check_rtol, periods_begun
 
 if TYPE_CHECKING:
     from stickslip.models.switching_flow import SwitchingFlow
@@ -46,7 +46,7 @@ def flow_request(flow: SwitchingFlow, settings: Settings) -> Request:
         model=flow,
         labels=labels,
         auto=False,
-        rtol=float(given.rtol),
+        rtol=steps_of_flow(flow)[1],
         start=states,
         given_start=dict(zip(flow.names(states.shape[1]), map(float, states[0]), strict=True)) if not labels.shape else {},
         workers=int(given.workers),
@@ -89,7 +89,8 @@ def _lengths(flow: SwitchingFlow, labels: Labels, given: Settings, problems: Pro
         duration = float(duration) if check_duration(duration, periods, problems) else 1.0
         if settle not in (None, 0, "auto"):
             problems.add(f"settle = {settle!r} counts periods, and duration= is given; leave settle out, or give periods=")
-        return {"periods": 1, "settle": 0, "duration": duration, "span": np.full(labels.cases, duration) if T is None else T}
+        begun = 1 if T is None else periods_begun(duration, float(np.min(T)))
+        return {"periods": begun, "settle": 0, "duration": duration, "span": np.full(labels.cases, duration) if T is None else T}
     if T is None:
         problems.add("the flow has no period, so periods does not say how long to run; type duration=60.0")
         return {}

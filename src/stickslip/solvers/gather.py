@@ -74,11 +74,11 @@ def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], Ra
             columns[name][first:last] = values
     if later:
         whole = [later[first] for first in sorted(later)]
-        return _summary(todo, method, Columns({name: partial(_joined, whole, name, shape) for name in whole[0]}), failures)
+        return summary(todo, method, Columns({name: partial(_joined, whole, name, shape) for name in whole[0]}), failures)
     for name, by_case in coded.items():
         begins, *others = (by_case[case] for case in sorted(by_case))
         columns[name] = begins.joined(others)
-    return _summary(todo, method, {name: columns[name].reshape((*shape, *columns[name].shape[1:])) for name in made}, failures)
+    return summary(todo, method, {name: columns[name].reshape((*shape, *columns[name].shape[1:])) for name in made}, failures)
 
 
 def _joined(chunks: list[Columns], name: str, shape: tuple[int, ...]) -> Any:
@@ -88,7 +88,8 @@ def _joined(chunks: list[Columns], name: str, shape: tuple[int, ...]) -> Any:
     return whole.reshape((*shape, *whole.shape[1:]))
 
 
-def _summary(todo: Request, method: str, columns: Mapping[str, Any], failures: dict[int, str]) -> Summary:
+def summary(todo: Request, method: str, columns: Mapping[str, Any], failures: dict[int, str]) -> Summary:
+    """A summary of columns in the shape of the batch, with why the first cases of those that failed did."""
     shape, first = todo.labels.shape, sorted(failures.items())[:FAILURES]
     reasons = {tuple(map(int, np.unravel_index(case, shape))): sentence for case, sentence in first}
     return Summary(todo.model, todo.labels, columns, provenance(todo, method, None if method == "exact" else todo.rtol), reasons)

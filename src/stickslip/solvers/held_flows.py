@@ -14,11 +14,11 @@ from stickslip.basics.status import STATUS
 from stickslip.engine.held_lane import HeldLane, Side
 from stickslip.models.switching_flow import SwitchingFlow
 from stickslip.results.flow_pieces import FlowPieces, ModeChange
-from stickslip.results.flow_run import FlowRun
+from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import flow_engine
 from stickslip.solvers.flow_requests import flow_request
 from stickslip.solvers.held_cases import Standing, times_of
-from stickslip.solvers.settings import Settings
+from stickslip.solvers.settings import Settings, periods_begun
 
 _NOBODY = np.zeros(0, bool)
 _ENDLESS = 1e9  # switches
@@ -153,17 +153,24 @@ class FlowCase:
         """These steps: none of them is open."""
         return rows
 
-    def run(self, rows: Array, more: dict[str, Any]) -> FlowRun:
+    def run(self, rows: Array, more: dict[str, Any]) -> Trajectory:
         """Some steps as a run."""
         method, tolerance = flow_engine.steps_of_flow(self.model)
-        n, long, switches = self._n, rows[rows[:, 2] > rows[:, 1]], np.flatnonzero(np.diff(rows[:, 5]) > 0)
+        n, lasts, switches = self._n, rows[:, 2] > rows[:, 1], np.flatnonzero(np.diff(rows[:, 5]) > 0)
         c = rows[:, flow_engine.FIRST :].reshape(len(rows), self.kernel.states, -1)[:, :n]
-        modes = [self._labels[round(float(number)) - 1] for number in rows[:, 4]]
-        events = [ModeChange(float(rows[k, 2]), modes[k], modes[k + 1]) for k in switches]
-        nodes = np.concatenate([long[:1, 1], long[:, 2]])
-        passed, own = c[rows[:, 2] <= rows[:, 1], :, 0], c[rows[:, 2] > rows[:, 1]]
-        pieces = FlowPieces(nodes, np.round(long[:, 4]).astype(int) - 1, own, passed, events, own[-1].sum(axis=-1), modes[-1])
-        return FlowRun(self.model, pieces, None, 0, tolerance, method, **more)
+        modes, long, own = np.round(rows[:, 4]).astype(int) - 1, rows[lasts], c[lasts]
+        pieces = FlowPieces(
+            t=np.concatenate([long[:1, 1], long[:, 2]]),
+            mode=modes[lasts],
+            coefficients=own,
+            end=own[-1].sum(axis=-1),
+            end_mode=modes[-1],
+            passed=c[~lasts, :, 0],
+            switch_times=rows[switches, 2],
+            switch_modes=np.column_stack([modes[switches], modes[switches + 1]]),
+        )
+        periods = 1 if self.unit is None else periods_begun(float(pieces.t[-1] - pieces.t[0]), self.unit)
+        return Trajectory(self.model, pieces, periods, 0, tolerance, method, **more)
 
     def budget(self, duration: float) -> float:
         """As many as in one run."""

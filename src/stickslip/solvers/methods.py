@@ -285,9 +285,9 @@ class SwitchedSteps:
 
     def run(self, todo: Request) -> Trajectory | Summary:
         """Case by case."""
-        from stickslip.solvers import flow_solving
+        from stickslip.solvers import switched_steps
 
-        return flow_solving.run(todo)
+        return switched_steps.run(todo)
 
 
 _BLIND = "it evaluates no functions of the state: observe is for the compiled methods"

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import Any
 
-import numpy as np
-
 from stickslip.basics.batch import Labels, labels_together, spread_over_cases
 from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError, Problems, did_you_mean, is_one_of, is_whole
@@ -20,7 +18,7 @@ from stickslip.models.model_adapter import adapter_of, is_model
 from stickslip.models.observables import checked_observables
 from stickslip.solvers.initial_states import flattened, start_states
 from stickslip.solvers.methods import METHODS
-from stickslip.solvers.settings import Request, Settings, check_duration, check_keep, check_rtol, versions
+from stickslip.solvers.settings import Request, Settings, check_duration, check_keep, check_rtol, periods_begun, versions
 
 _AT_ONCE = 4096  # cases of a batch whose numbers as columns are kept for the table of its lanes
 
@@ -125,7 +123,7 @@ def _periods(model: Model, labels: Labels, periods: Any, settle: Any, duration: 
     if labels.shape:
         problems.add(f"duration is for one {name} and this is a batch of shape {labels.shape}; type periods=200, or solve one case")
         return 1
-    return max(int(np.ceil(duration / float(model.period) * (1 - 1e-12))), 1)
+    return periods_begun(duration, float(model.period))
 
 
 #: Bytes that a trajectory takes for each sample of its columns, and for each period of dense output (measured, generous).
@@ -160,6 +158,6 @@ def provenance(todo: Request, method: str, tolerance: float | None) -> dict[str,
     settings = {"method": method, "rtol": tolerance, "periods": todo.periods, "settle": "auto" if todo.auto else todo.settle}
     settings |= {"slip_ratio": todo.slip_ratio, "dwell": todo.dwell}
     settings |= {} if todo.duration is None else {"duration": todo.duration}
-    kinds = {"law": todo.machine.law_names, "model": type(todo.model).__name__}
+    kinds = {"law": adapter_of(todo.model).law_names, "model": type(todo.model).__name__}
     parameters = {} if todo.labels.shape else {name: float(value) for name, value in todo.numbers.items()}
     return {"versions": versions(), "settings": settings, "kinds": kinds, "parameters": parameters}

@@ -128,6 +128,11 @@ def check_duration(duration: Any, periods: Any, problems: Problems, unit: str = 
     return good
 
 
+def periods_begun(duration: float, period: float) -> int:
+    """As many periods as a duration begins."""
+    return max(int(np.ceil(duration / period * (1 - 1e-12))), 1)
+
+
 def check_keep(keep: Any, labels: Labels, problems: Problems) -> None:
     """Checks `keep`: the result of a solve, which for a batch is a summary."""
     if keep is not None and not is_one_of(keep, ("trajectory", "summary")):

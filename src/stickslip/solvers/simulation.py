@@ -236,7 +236,7 @@ class Simulation:
         self.now = before._replace(side=before.lane.draft_of(snapshot.image, now))
 
     def trajectories(self) -> list[Any]:
-        """What happened so far, if it is recorded: a `Trajectory` for each stretch of constant inputs, in order; of a flow a `FlowRun`.
+        """What happened so far, if it is recorded: a `Trajectory` for each stretch of constant inputs, in order.
 
         Raises
         ------

@@ -293,7 +293,7 @@ def _of_run(run: Trajectory, moved: dict[str, tuple[str, ...]]) -> Sensitivity:
         first = after(settle)
         way, d_way = way - first.way, d_way - first.way_change
     T = span or float(model.period) * (run.periods - settle)
-    names = " and ".join(run._thrown_together)
+    names = " and ".join(run._columns.thrown_together)
     notes = (f"{names} land at one instant and are thrown up, and runs beside jump: no derivative leads through that hit",) if names else ()
     dT = _period_slopes(model, numbers, k) * (run.periods - settle)
     V = float(way[0]) / T

@@ -63,7 +63,7 @@ def cycle_shown(flow: Any, period: int | None, guess: Any, section: Any = None) 
     ----------
     period : int, optional
         Turns after which it repeats; as many as the run shows if not given.
-    guess : dict, array, FlowRun or PeriodicOrbit, optional
+    guess : dict, array, Trajectory or PeriodicOrbit, optional
         Of an orbit the duration is taken too. If not given, the first start that oscillates.
     section : str or tuple, optional
         As for `periodic_orbit`.

@@ -21,7 +21,6 @@ from stickslip.dynamics.stroboscopic.strobe_maps import (
 )  # fmt: skip
 from stickslip.models.state_layout import of_one_contact
 from stickslip.models.switching_flow import knows_mode, unknown_mode
-from stickslip.results.flow_run import FlowRun
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers.flow_requests import starts_of
 from stickslip.solvers.flow_starts import starting_modes
@@ -48,7 +47,7 @@ def states_of(start: Any, model: Model) -> Array:
 
 def _flow_state(start: Any, flow: Any, at: Coordinates) -> Array:
     """The state of a flow and the place of its mode, from an orbit, a run's end, a dict, or numbers."""
-    if isinstance(start, (PeriodicOrbit, FlowRun)):
+    if isinstance(start, PeriodicOrbit) or (isinstance(start, Trajectory) and not start.pieces.layout.bodies):
         return start.strobe_state
     if isinstance(start, Passage):
         return np.append(start.state, list(flow.modes).index(start.mode))

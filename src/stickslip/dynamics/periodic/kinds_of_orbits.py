@@ -73,7 +73,7 @@ class OfBodies:
             return f"central differences of the strobe map, as {why}; with steps four times as long the matrix changes by {moved.max():.1e}"
         if not np.isfinite(orbit.monodromy).all():
             return _NOT_CROSSED
-        if names := orbit.run._thrown_together:
+        if names := orbit.run._columns.thrown_together:
             return f"{' and '.join(names)} land at one instant and are thrown up: motions beside do so one by one, and the map jumps"
         source = _BY_TANGENT
         if self._is_neutral(orbit):

@@ -239,7 +239,7 @@ class FlowCoordinates(Coordinates):
     def states_in(self, run: Any, t: Array) -> Array:
         """The states at some instants of a run, with the places of the modes; at a switch those after it."""
         index = run._index(t)
-        return np.column_stack([run.pieces.states(t, index), run.modes[index]])
+        return np.column_stack([run.pieces.states(t, index), run.pieces.mode[index]])
 
     def placed(self, model: Any, states: Array) -> Array:
         """States with the place of the mode in which a run begins there."""

@@ -44,7 +44,7 @@ class TransientCurve:
     def _state(self, phase: Numeric, which: int) -> Any:
         """x, v or z, those of the machine's principal body."""
         t = np.clip(self._times(phase), self.run.pieces.t[0], self.run.pieces.t[-1])
-        return self._of_the_body(self.run._own("xvz"[which], self.run._states_at(t, self.run._index(t))[which]))
+        return self._of_the_body(self.run._columns.own("xvz"[which], self.run._states_at(t, self.run._index(t))[which]))
 
     def _of_the_body(self, column: Any) -> Any:
         return column if self.body is None or np.ndim(column) < 2 else column[..., self.body]

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from stickslip.basics.arguments import Ax
 from stickslip.basics.errors import InputError, did_you_mean
-from stickslip.results.flow_run import FlowRun
+from stickslip.results.trajectory import Trajectory
 from stickslip.show.figures.style import COLOURS, DASHES, INK, axes, drawing, legend_above
-
-if TYPE_CHECKING:
-    from stickslip.results.trajectory import Trajectory
-
 
 _POINTS = 1200
 
@@ -24,7 +20,8 @@ def states(run: Any, *names: str, duration: float | None = None, ax: Ax = None) 
 
     Parameters
     ----------
-    run : FlowRun
+    run : Trajectory
+        Of a `SwitchingFlow`.
     *names : str
         Names of the states; all if not given.
     duration : float, optional
@@ -81,8 +78,8 @@ def flow_phase(run: Any, x: str | None = None, y: str | None = None, ax: Any = N
     return ax
 
 
-def _check(run: Trajectory | FlowRun, names: Any) -> None:
-    if not isinstance(run, FlowRun):
+def _check(run: Trajectory, names: Any) -> None:
+    if not isinstance(run, Trajectory) or run.pieces.layout.bodies:
         raise InputError(
             "plot",
             [f"run = {run!r}; allowed is a run of a SwitchingFlow; type ss.plot.states(ss.solve(flow, start=[1.0, 0.0], duration=5.0))"],

@@ -175,7 +175,7 @@ def _of_flow(run: Any) -> Iterator[_Course]:
     """Of each guard of each mode, between the switches."""
     first, last, flow = float(run.nodes[0]), float(run.nodes[-1]), composed(run.model)
     begins = [first, *(event.t for event in run.events)]
-    modes = [run._labels(np.array([0]))[0], *(event.after for event in run.events)]
+    modes = [run._columns.labels(np.array([0]))[0], *(event.after for event in run.events)]
     for begin, end, mode in zip(begins, [*begins[1:], last], modes, strict=True):
         for k, switch in enumerate(flow.switches.get(mode, ()) if end > begin else ()):
             guard = partial(_guard, run, switch.guard)

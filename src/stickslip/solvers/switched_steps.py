@@ -1,4 +1,4 @@
-"""Runs of a switching flow: one with its dense output, or numbers of every case of a batch."""
+"""Flows that switch: each stretch by Taylor steps from switch to switch, as a run or as the columns of a batch."""
 
 from __future__ import annotations
 
@@ -10,81 +10,67 @@ from stickslip.basics.batch import cases_of
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import SolveError
 from stickslip.basics.interruption import is_stopped, look, partial_result
-from stickslip.basics.status import Status, interrupted_at
+from stickslip.basics.status import Status
 from stickslip.engine.texts import recurrence
 from stickslip.results.flow_drift import repeats_after
 from stickslip.results.flow_pieces import FlowPieces, extremes, polynomials
-from stickslip.results.flow_run import FlowRun
 from stickslip.results.summary import Summary
+from stickslip.results.trajectory import Trajectory
 from stickslip.solvers.flow_engine import FlowSolution, FlowStart, follow_flow, steps_of_flow
-from stickslip.solvers.settings import Request, versions
-from stickslip.solvers.stopped import FAILURES
+from stickslip.solvers.gather import summary, trajectory
+from stickslip.solvers.settings import Request
 
 
-def run(todo: Request) -> Any:
-    """A `FlowRun` of one case, or the `Summary` of a batch."""
-    return _run(todo) if todo.keep == "trajectory" else _summary(todo)
+def run(todo: Request) -> Trajectory | Summary:
+    """Solve as asked, case by case."""
+    if todo.keep == "summary":
+        return _summary(todo)
+    flow, length = todo.model, float(todo.lengths[0])
+    done = follow_flow(flow, FlowStart(todo.start[0], todo.modes[0]), length, growth=False, partial=todo.partial, traced=todo.equations)
+    return run_of_parts(todo, [done], Status.NOT_COMPUTED if is_stopped() and done.time < length else 0)
 
 
-def _run(todo: Request) -> FlowRun:
-    flow, y, length = todo.model, todo.start[0], float(todo.lengths[0])
-    done = follow_flow(flow, FlowStart(y, todo.modes[0]), length, growth=False, partial=todo.partial, traced=todo.equations)
-    status, (method, tolerance) = Status.FINISHED.sentence, steps_of_flow(flow)
-    if is_stopped() and done.time < length:
-        status = interrupted_at(done.time)
-    pieces = FlowPieces(done.nodes, done.modes, done.coefficients, done.passed, done.events, done.state, done.mode)
-    return _run_with(todo, flow, pieces, done.steps, status, method, tolerance)
+def run_of_parts(todo: Request, parts: list[FlowSolution], status: int = 0) -> Trajectory:
+    """The run of one case whose stretches follow one another."""
+    counts = {"steps": sum(part.steps for part in parts)}
+    return trajectory(todo, steps_of_flow(todo.model)[0], pieces_of(todo.model, parts), counts, status)
 
 
-def _run_with(todo: Request, flow: Any, pieces: FlowPieces, steps: int, status: str, method: str, tolerance: float) -> FlowRun:
-    return FlowRun(
-        model=flow,
-        pieces=pieces,
-        periods=None if todo.duration is not None else todo.periods,
-        settle=todo.settle,
-        rtol=tolerance,
-        method=method,
-        status=status,
-        samples=todo.samples,
-        start=todo.given_start,
-        provenance={"versions": versions()},
-        counts={"steps": steps},
+def pieces_of(flow: Any, parts: list[FlowSolution]) -> FlowPieces:
+    """The dense output of stretches that follow one another."""
+    first, last, places = parts[0], parts[-1], {mode: k for k, mode in enumerate(flow.modes)}
+    switches = [event for part in parts for event in part.events]
+    return FlowPieces(
+        t=np.concatenate([first.nodes, *(part.nodes[1:] for part in parts[1:])]),
+        mode=np.concatenate([part.modes for part in parts]),
+        coefficients=np.concatenate([part.coefficients for part in parts]),
+        passed=np.concatenate([part.passed for part in parts]),
+        end=last.state,
+        end_mode=places[last.mode],
+        switch_times=np.array([event.t for event in switches]),
+        switch_modes=np.array([(places[event.before], places[event.after]) for event in switches], int).reshape(-1, 2),
     )
-
-
-def run_of_parts(todo: Request, flow: Any, parts: list[FlowSolution]) -> FlowRun:
-    """One run of stretches that follow one another."""
-    first, last = parts[0], parts[-1]
-    nodes = np.concatenate([first.nodes, *(part.nodes[1:] for part in parts[1:])])
-    modes, coefficients, passed = (np.concatenate([getattr(part, of) for part in parts]) for of in ("modes", "coefficients", "passed"))
-    pieces = FlowPieces(nodes, modes, coefficients, passed, [event for part in parts for event in part.events], last.state, last.mode)
-    return _run_with(todo, flow, pieces, sum(part.steps for part in parts), Status.FINISHED.sentence, *steps_of_flow(flow))
 
 
 def _summary(todo: Request) -> Summary:
     rows: list[dict[str, Any]] = []
-    failures: dict[tuple[int, ...], str] = {}
-    settled = todo.settle * todo.span + todo.left_out
+    failures: dict[int, str] = {}
+    settled, method = todo.settle * todo.span + todo.left_out, steps_of_flow(todo.model)[0]
     with partial_result() as ending:
         for k, flow in enumerate(cases_of(todo.model)):
             look()
             why, parts = list[str](), list[FlowSolution]()
             rows.append(flow_columns(flow, todo.start[k], todo.modes[k], float(todo.lengths[k]), float(settled[k]), why, parts))
+            if why:
+                failures[k] = why[0]
             if todo.watched is not None:
-                todo.watched.note_run(k, None if why else run_of_parts(todo, flow, parts))
-            if why and len(failures) < FAILURES:
-                failures[tuple(map(int, np.unravel_index(k, todo.labels.shape)))] = why[0]
+                todo.watched.note_run(k, None) if why else todo.watched.note(k, method, pieces_of(flow, parts), 0)
             todo.progress(k + 1, todo.cases)
     ending.needs(rows)
     lacking = dict.fromkeys(rows[0], np.nan) | {n: -1 for n in ("end_mode", "switches") if n in rows[0]}
     rows += [lacking | {"status": Status.NOT_COMPUTED} for _ in range(todo.cases - len(rows))]
     columns = {name: np.array([row[name] for row in rows]).reshape(todo.labels.shape) for name in rows[0]}
-    settings = {
-        "periods": None if todo.duration is not None else todo.periods,
-        "settle": todo.settle,
-        "method": steps_of_flow(todo.model)[0],
-    }
-    return Summary(todo.model, todo.labels, columns, {"settings": settings}, failures)
+    return summary(todo, method, columns, failures)
 
 
 def flow_columns(
