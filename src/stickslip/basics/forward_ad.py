@@ -27,7 +27,7 @@ class Truth:
         self.holds = holds
 
     def __ss_where__(self, yes: Any, no: Any) -> Any:
-        kind = next((type(x) for x in (yes, no) if isinstance(x, Nested)), Dual)
+        kind = next((type(x) for x in (yes, no) if isinstance(x, NestedDual)), Dual)
         yes, no = kind.lifted(yes), kind.lifted(no)
         count = max(len(yes.slopes), len(no.slopes))
         slopes = [_chosen(self.holds, yes.slope(i), no.slope(i)) for i in range(count)]
@@ -194,15 +194,15 @@ for _name in _SLOPES:
     setattr(Dual, f"__ss_{_name}__", _hook(_name))
 
 
-class Nested(Dual):
-    """A number whose value and slopes may be numbers with slopes: what is differentiated may hold a derivative itself.
+class NestedDual(Dual):
+    """A dual number whose value and slopes may be dual numbers: what is differentiated may hold a derivative itself.
 
     Examples
     --------
     The slope of x^3 by x, which is 3 x^2, has the slope 6 x:
 
     >>> (x,) = variables(2.0)
-    >>> cubed = Nested(x, [1.0]) ** 3
+    >>> cubed = NestedDual(x, [1.0]) ** 3
     >>> cubed.slope(0).value, cubed.slope(0).slope(0)
     (12.0, 12.0)
     """

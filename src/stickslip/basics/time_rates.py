@@ -12,8 +12,8 @@ from stickslip.basics.forward_ad import Truth
 from stickslip.basics.of_own import OfOwn
 
 
-class Moving:
-    """A value that varies in time, with its rate and the rate of that.
+class TimeJet:
+    """A value that varies in time, with its rate and the rate of that: a jet of second order.
 
     Parameters
     ----------
@@ -22,7 +22,7 @@ class Moving:
 
     Examples
     --------
-    >>> t = Moving(2.0, 1.0, 0.0)
+    >>> t = TimeJet(2.0, 1.0, 0.0)
     >>> cubic = t**3 - t / 2.0
     >>> cubic.value, cubic.rate, cubic.second
     (7.0, 11.5, 12.0)
@@ -34,84 +34,85 @@ class Moving:
     def __init__(self, value: Any, rate: Any = 0.0, second: Any = 0.0):
         self.value, self.rate, self.second = value, rate, second
 
-    def _through(self, value: Any, first: Any, second: Any) -> Moving:
+    def _through(self, value: Any, first: Any, second: Any) -> TimeJet:
         """A function of it, from its value and two derivatives by its argument."""
-        return Moving(value, first * self.rate, second * (self.rate * self.rate) + first * self.second)
+        return TimeJet(value, first * self.rate, second * (self.rate * self.rate) + first * self.second)
 
-    def __add__(self, other: Any) -> Moving:
-        b = _lift(other)
-        return Moving(self.value + b.value, self.rate + b.rate, self.second + b.second)
+    def __add__(self, other: Any) -> TimeJet:
+        b = time_jet(other)
+        return TimeJet(self.value + b.value, self.rate + b.rate, self.second + b.second)
 
-    def __sub__(self, other: Any) -> Moving:
-        b = _lift(other)
-        return Moving(self.value - b.value, self.rate - b.rate, self.second - b.second)
+    def __sub__(self, other: Any) -> TimeJet:
+        b = time_jet(other)
+        return TimeJet(self.value - b.value, self.rate - b.rate, self.second - b.second)
 
-    def __mul__(self, other: Any) -> Moving:
-        b = _lift(other)
+    def __mul__(self, other: Any) -> TimeJet:
+        b = time_jet(other)
         second = self.second * b.value + 2.0 * (self.rate * b.rate) + self.value * b.second
-        return Moving(self.value * b.value, self.rate * b.value + self.value * b.rate, second)
+        return TimeJet(self.value * b.value, self.rate * b.value + self.value * b.rate, second)
 
     __radd__, __rmul__ = __add__, __mul__
 
-    def __truediv__(self, other: Any) -> Moving:
-        return self * _lift(other)._reciprocal()
+    def __truediv__(self, other: Any) -> TimeJet:
+        return self * time_jet(other)._reciprocal()
 
-    def __rtruediv__(self, other: Any) -> Moving:
-        return _lift(other) * self._reciprocal()
+    def __rtruediv__(self, other: Any) -> TimeJet:
+        return time_jet(other) * self._reciprocal()
 
-    def _reciprocal(self) -> Moving:
+    def _reciprocal(self) -> TimeJet:
         one = 1.0 / self.value
         return self._through(one, -(one * one), 2.0 * (one * one * one))
 
-    def __rsub__(self, other: Any) -> Moving:
-        return _lift(other) - self
+    def __rsub__(self, other: Any) -> TimeJet:
+        return time_jet(other) - self
 
-    def __neg__(self) -> Moving:
-        return Moving(-self.value, -self.rate, -self.second)
+    def __neg__(self) -> TimeJet:
+        return TimeJet(-self.value, -self.rate, -self.second)
 
-    def __pos__(self) -> Moving:
+    def __pos__(self) -> TimeJet:
         return self
 
-    def __abs__(self) -> Moving:
+    def __abs__(self) -> TimeJet:
         return maths.where(self > 0.0, self, -self)
 
-    def __pow__(self, power: Any) -> Moving:
-        if isinstance(power, Moving):
+    def __pow__(self, power: Any) -> TimeJet:
+        if isinstance(power, TimeJet):
             return maths.exp(power * maths.log(self))
         if isinstance(power, (int, float)) and power in (0, 1, 2):
-            return (_lift(1.0), self, self * self)[int(power)]
+            return (time_jet(1.0), self, self * self)[int(power)]
         x = self.value
         return self._through(x**power, power * x ** (power - 1.0), power * (power - 1.0) * x ** (power - 2.0))
 
-    def __rpow__(self, base: Any) -> Moving:
+    def __rpow__(self, base: Any) -> TimeJet:
         return maths.exp(self * maths.log(base))
 
     def __lt__(self, other: Any) -> _Condition:
-        return _Condition(self.value < _lift(other).value)
+        return _Condition(self.value < time_jet(other).value)
 
     def __le__(self, other: Any) -> _Condition:
-        return _Condition(self.value <= _lift(other).value)
+        return _Condition(self.value <= time_jet(other).value)
 
     def __gt__(self, other: Any) -> _Condition:
-        return _Condition(self.value > _lift(other).value)
+        return _Condition(self.value > time_jet(other).value)
 
     def __ge__(self, other: Any) -> _Condition:
-        return _Condition(self.value >= _lift(other).value)
+        return _Condition(self.value >= time_jet(other).value)
 
-    def __ss_within__(self, period: Any) -> Moving:
-        return Moving(maths.within(self.value, period), self.rate, self.second)
+    def __ss_within__(self, period: Any) -> TimeJet:
+        return TimeJet(maths.within(self.value, period), self.rate, self.second)
 
 
 class _Condition(Truth):
     """A condition on values that vary, which may be symbols; `where` asks it to choose."""
 
-    def __ss_where__(self, yes: Any, no: Any) -> Moving:
-        yes, no = _lift(yes), _lift(no)
-        return Moving(*(maths.where(self.holds, *both) for both in ((yes.value, no.value), (yes.rate, no.rate), (yes.second, no.second))))
+    def __ss_where__(self, yes: Any, no: Any) -> TimeJet:
+        yes, no = time_jet(yes), time_jet(no)
+        return TimeJet(*(maths.where(self.holds, *both) for both in ((yes.value, no.value), (yes.rate, no.rate), (yes.second, no.second))))
 
 
-def _lift(value: Any) -> Moving:
-    return value if isinstance(value, Moving) else Moving(value)
+def time_jet(value: Any) -> TimeJet:
+    """A number as a jet; a constant has no rates."""
+    return value if isinstance(value, TimeJet) else TimeJet(value)
 
 
 def _tanh(x: Any) -> tuple[Any, Any, Any]:
@@ -150,21 +151,21 @@ _FUNCTIONS: dict[str, Callable[[Any], tuple[Any, Any, Any]]] = {
 }
 
 
-def _hook(derivatives: Callable[[Any], tuple[Any, Any, Any]]) -> Callable[[Moving], Moving]:
+def _hook(derivatives: Callable[[Any], tuple[Any, Any, Any]]) -> Callable[[TimeJet], TimeJet]:
     return lambda self: self._through(*derivatives(self.value))
 
 
 for _name, _derivatives in _FUNCTIONS.items():
-    setattr(Moving, f"__ss_{_name}__", _hook(_derivatives))
+    setattr(TimeJet, f"__ss_{_name}__", _hook(_derivatives))
 
 
-def defers_to_moving(cls: type) -> type:
-    """Decorator of a class of symbols, whose operators leave the work to a `Moving` or an `OfOwn` on their right."""
+def defers_to_jets(cls: type) -> type:
+    """Decorator of a class of symbols, whose operators leave the work to a `TimeJet` or an `OfOwn` on their right."""
 
     def deferring(own: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
         @functools.wraps(own)
         def operator(self: Any, other: Any) -> Any:
-            return NotImplemented if type(other) in (Moving, OfOwn) else own(self, other)
+            return NotImplemented if type(other) in (TimeJet, OfOwn) else own(self, other)
 
         return operator
 
@@ -181,5 +182,5 @@ def with_rates(function: Callable[[Any], Any], t: Numeric) -> tuple[Any, Any, An
     >>> with_rates(lambda t: maths.sin(2.0 * t), 0.0)
     (0.0, 2.0, -0.0)
     """
-    moved = _lift(function(Moving(t, 1.0, 0.0)))
+    moved = time_jet(function(TimeJet(t, 1.0, 0.0)))
     return moved.value, moved.rate, moved.second

@@ -11,7 +11,7 @@ import sympy
 
 from stickslip.basics.contracts import Numeric
 from stickslip.basics.of_own import without_others
-from stickslip.basics.time_rates import defers_to_moving
+from stickslip.basics.time_rates import defers_to_jets
 from stickslip.engine.symbols import FUNCTIONS
 
 _LONGEST = 10**12  # denominators of decimals that are taken as they are written
@@ -34,7 +34,7 @@ class Letter(sympy.Symbol):
         return self.class_key(), (1, (str(self),)), sympy.S.One.sort_key(), sympy.S.One
 
 
-@defers_to_moving
+@defers_to_jets
 class Formula:
     """A SymPy expression that laws, drives and machines take for a number."""
 

@@ -14,7 +14,7 @@ from typing import Any
 from stickslip.basics import maths
 from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import StickslipError
-from stickslip.basics.time_rates import defers_to_moving
+from stickslip.basics.time_rates import defers_to_jets
 
 _BLUNT = 1e-24  # a power that is singular at 0 is rounded off below the root of this; polynomials of order 16 bear no less
 _BLUNT_LESS = 1e-32  # the same where slopes alone are wanted, also of deflections of a nanometre
@@ -30,7 +30,7 @@ class TraceError(StickslipError, TypeError):
     """A law or drive does with a symbol what only a number can do; the message says what to write."""
 
 
-@defers_to_moving
+@defers_to_jets
 class Sym:
     """One node of the expression graph."""
 

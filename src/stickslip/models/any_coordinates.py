@@ -17,7 +17,7 @@ import numpy as np
 
 from stickslip.basics.contracts import Array, Numeric
 from stickslip.basics.maths import maximum, pi
-from stickslip.basics.time_rates import Moving
+from stickslip.basics.time_rates import TimeJet, time_jet
 from stickslip.models.controllers import Controllers
 from stickslip.models.friction.law_adapter import LawAdapter, adapted
 from stickslip.models.kept_heights import Struck, above, given_back, lever_of, normal_force, rising_freely, struck_at, with_force
@@ -26,7 +26,7 @@ from stickslip.models.mechanics import SOME, Mechanics, Numbers
 from stickslip.models.placed_contacts import PlacedContact
 from stickslip.models.placed_links import PlacedLink, links_of, shares
 from stickslip.models.rails import decides, pressed_while_sliding, reaction, yielding
-from stickslip.models.said_of_motion import Energies, inertia_of_machine, kinetic_of_machine, moving, places_of_machine
+from stickslip.models.said_of_motion import Energies, inertia_of_machine, kinetic_of_machine, places_of_machine
 from stickslip.models.whole_turns import is_angle
 
 GRAVITY = 9.81  # of a machine that does not say its own [m/s^2]
@@ -275,10 +275,10 @@ class AnyCoordinates(Mechanics):
         return sum(map(bool, self.directions[i])) > 1 or callable(getattr(self.joints[self.contacts[i]].on, "velocity", None))
 
     # ---- places ----
-    def along(self, t: Any, q: Numbers) -> dict[str, tuple[Moving, ...]]:
+    def along(self, t: Any, q: Numbers) -> dict[str, tuple[TimeJet, ...]]:
         """Places of the bodies at an instant and coordinates that move: a number, (x, z) or (x, z, angle) of each, with two rates."""
         given = places_of_machine(self.model, t, dict(zip(self.bodies, q, strict=True)))
-        return {name: tuple(map(moving, given[name] if isinstance(given[name], tuple) else (given[name],))) for name in self.placed}
+        return {name: tuple(map(time_jet, given[name] if isinstance(given[name], tuple) else (given[name],))) for name in self.placed}
 
     @cached_property
     def by_energy(self) -> bool:
@@ -295,13 +295,13 @@ class AnyCoordinates(Mechanics):
         """For each coordinate, by body the derivatives of its place."""
         n, slopes = len(q), []
         for j in range(n):
-            moved = self.along(t, [Moving(x, 1.0 if k == j else 0.0) for k, x in enumerate(q)])
+            moved = self.along(t, [TimeJet(x, 1.0 if k == j else 0.0) for k, x in enumerate(q)])
             slopes.append({name: tuple(part.rate for part in components) for name, components in moved.items()})
         return slopes
 
-    def moved(self, t: Numeric, q: Numbers, u: Numbers) -> dict[str, tuple[Moving, ...]]:
+    def moved(self, t: Numeric, q: Numbers, u: Numbers) -> dict[str, tuple[TimeJet, ...]]:
         """Places with their velocities, and their accelerations while the coordinates' rates stay as they are."""
-        return self.along(t, [Moving(x, v) for x, v in zip(q, u, strict=True)])
+        return self.along(t, [TimeJet(x, v) for x, v in zip(q, u, strict=True)])
 
     def inertias(self, name: str) -> Parts:
         """What resists acceleration in each part of a body's place: its mass, twice, and its moment of inertia."""
@@ -370,13 +370,13 @@ class AnyCoordinates(Mechanics):
                 h[j] = total([h[j], *map(product, slopes[j][name], net)])
         return h
 
-    def net(self, name: str, t: Numeric, components: tuple[Moving, ...], pulled: dict[str, Parts]) -> Parts:
+    def net(self, name: str, t: Numeric, components: tuple[TimeJet, ...], pulled: dict[str, Parts]) -> Parts:
         """Applied forces on a body, less mass times the accelerations that it has while the coordinates' rates stay as they are."""
         forces = self.forces_on(name, t, components, pulled)
         resisting = (product(m, part.second) for m, part in zip(self.inertias(name), components, strict=False))
         return tuple(total([force, product(-1.0, inertia)]) for force, inertia in zip(forces, resisting, strict=True))
 
-    def forces_on(self, name: str, t: Numeric, components: tuple[Moving, ...], pulled: dict[str, Parts]) -> Parts:
+    def forces_on(self, name: str, t: Numeric, components: tuple[TimeJet, ...], pulled: dict[str, Parts]) -> Parts:
         """Force of the body itself, its weight, and what links do to it, in each part of its place [N] or [N m]."""
         body = self.placed[name]
         x, v = (tuple(getattr(part, what) for part in components) for what in ("value", "rate"))

@@ -20,7 +20,7 @@ import numpy as np
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems, SolveError
 from stickslip.basics.fields import checked_number
-from stickslip.basics.forward_ad import Nested, without_slopes
+from stickslip.basics.forward_ad import NestedDual, without_slopes
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.maths import where
 from stickslip.models.friction.law_adapter import SWITCHES, TINY, LawAdapter, adapted, is_law
@@ -283,7 +283,7 @@ class ContactForces:
 
     def _applied(self, mode: Any, name: str, t: Any, y: Sequence[Any]) -> Any:
         """The force that would keep the slip of a contact as it is, where nothing else rubs on it."""
-        R = {k: Nested(0.0, [0.0, 1.0 if k == name else 0.0]) for k in self.contacts}
+        R = {k: NestedDual(0.0, [0.0, 1.0 if k == name else 0.0]) for k in self.contacts}
         slip = self._slips_along(mode, (name,), t, y, R, 1)[name]
         return slip.slope(0) / (0.0 - slip.slope(1))
 
@@ -296,7 +296,7 @@ class ContactForces:
         Both are taken where all forces are `force`, which is the same for every force where the field is linear in them.
         """
         names, inner = self.resting, self._inner(mode, t, y)[0]
-        R = {name: Nested(force, [0.0, *(1.0 if k == name else 0.0 for k in names)]) for name in names}
+        R = {name: NestedDual(force, [0.0, *(1.0 if k == name else 0.0 for k in names)]) for name in names}
         slips = self._slips_along(mode, names, t, y, {**inner, **R}, len(names))
         G = {(i, k): 0.0 - slips[i].slope(1 + number) for i in names for number, k in enumerate(names)}
         return G, {name: slips[name].slope(0) for name in names}
@@ -305,9 +305,9 @@ class ContactForces:
         self, mode: Any, names: Sequence[str], t: Any, y: Sequence[Any], R: Mapping[str, Any], count: int
     ) -> dict[str, Any]:  # fmt: skip
         """Slips along the motion under forces with slopes from 1 to `count`: their own rates, and those by each of these slopes."""
-        rates = [Nested.lifted(rate) for rate in self._field(mode, t, y, R)]
-        along = [Nested(value, [rate.value, *(rate.slope(1 + k) for k in range(count))]) for value, rate in zip(y, rates, strict=False)]
-        return {name: Nested.lifted(_one(self.contacts[name].slip(Nested(t, [1.0]), along))) for name in names}
+        rates = [NestedDual.lifted(rate) for rate in self._field(mode, t, y, R)]
+        along = [NestedDual(value, [rate.value, *(rate.slope(1 + k) for k in range(count))]) for value, rate in zip(y, rates, strict=False)]
+        return {name: NestedDual.lifted(_one(self.contacts[name].slip(NestedDual(t, [1.0]), along))) for name in names}
 
     def sliding(self, name: str, side: int, slip: Any, load: Any) -> Any:
         """Friction force of a contact that slides to a side."""
@@ -345,8 +345,8 @@ class ContactForces:
     def stopped(self, mode: Any, name: str, t: Any, y: Sequence[Any]) -> list[Any]:
         """The state with the slip of a contact at zero, by an impulse of its friction."""
         G, _ = self.problem(mode, t, y)
-        R = {k: Nested(0.0, [1.0 if k == name else 0.0]) for k in self.resting}
-        rates = [Nested.lifted(rate) for rate in self._field(mode, t, y, {**self._inner(mode, t, y)[0], **R})]
+        R = {k: NestedDual(0.0, [1.0 if k == name else 0.0]) for k in self.resting}
+        rates = [NestedDual.lifted(rate) for rate in self._field(mode, t, y, {**self._inner(mode, t, y)[0], **R})]
         share = self.slips(t, y)[name] / G[name, name]
         own = [value + rate.slope(0) * share for value, rate in zip(self.own(y), rates, strict=True)]
         return [*own, *y[len(own) :]]

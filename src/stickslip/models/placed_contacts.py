@@ -17,9 +17,8 @@ import numpy as np
 from stickslip.basics.contracts import Numeric
 from stickslip.basics.fields import everywhere
 from stickslip.basics.maths import cos, sin, sqrt
-from stickslip.basics.time_rates import Moving
+from stickslip.basics.time_rates import TimeJet, time_jet
 from stickslip.models.linear_equations import is_nothing, product, total
-from stickslip.models.said_of_motion import moving
 from stickslip.models.several_bodies import prescribed_acceleration, prescribed_velocity
 
 Pair = tuple[Any, Any]
@@ -149,7 +148,7 @@ class PlacedContact:
     def incline(self, q: Any) -> Incline:
         """The slope of its curve at given coordinates, how that grows with x, and the length of the curve for each length of x."""
         x, _ = self.in_space(self.mechanics.along(0.0, q))
-        there = moving(self.curve(Moving(x.value, 1.0)))
+        there = time_jet(self.curve(TimeJet(x.value, 1.0)))
         return Incline(there.rate, there.second, sqrt(1.0 + there.rate * there.rate))
 
     def steepness(self, q: Any) -> Any:

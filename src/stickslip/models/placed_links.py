@@ -12,13 +12,12 @@ from typing import Any
 
 from stickslip.basics.contracts import Numeric
 from stickslip.basics.maths import cos, sin, sqrt
-from stickslip.basics.time_rates import Moving
+from stickslip.basics.time_rates import TimeJet, time_jet
 from stickslip.models.linear_equations import product, total
 from stickslip.models.link_ends import Angle, Point, body_of
 from stickslip.models.links_in_time import pull_of, several
-from stickslip.models.said_of_motion import moving
 
-Places = Mapping[str, tuple[Moving, ...]]
+Places = Mapping[str, tuple[TimeJet, ...]]
 Share = tuple[str, tuple[Any, Any, Any]]  # a body, and the force along x, along z and the torque on it
 
 
@@ -62,7 +61,7 @@ class PlacedLink:
         (x1, z1), (x2, z2) = (self._point(end, t, places) for end in self.ends)
         x, z = x1 - x2, z1 - z2
         square = x * x + z * z
-        length = Moving(square.value, square.rate)
+        length = TimeJet(square.value, square.rate)
         d = sqrt(length.value)
         tension = self.pull(t, d, 0.5 * length.rate / d)
         along = product(tension, x.value) / d, product(tension, z.value) / d
@@ -77,12 +76,12 @@ class PlacedLink:
         (x1, z1), (x2, z2) = (self._point(end, t, places) for end in self.ends)
         return sqrt(((x1 - x2) * (x1 - x2) + (z1 - z2) * (z1 - z2)).value)
 
-    def _point(self, end: Any, t: Numeric, places: Places) -> tuple[Moving, Moving]:
+    def _point(self, end: Any, t: Numeric, places: Places) -> tuple[TimeJet, TimeJet]:
         """Where it ends."""
         a, b = _at(end)
         if body_of(end) is None:
-            return _moved(end.at, t) if callable(end.at) else (Moving(a), Moving(b))
-        components = (*places[body_of(end)], Moving(0.0))
+            return _moved(end.at, t) if callable(end.at) else (TimeJet(a), TimeJet(b))
+        components = (*places[body_of(end)], TimeJet(0.0))
         x, z = components[0], components[1]
         if len(places[body_of(end)]) < 3:
             return x + a, z + b
@@ -99,19 +98,19 @@ class PlacedLink:
         return x, z, total([product(ahead, z), product(-1.0, product(up, x))])
 
 
-def _moved(at: Any, t: Numeric) -> tuple[Moving, Moving]:
+def _moved(at: Any, t: Numeric) -> tuple[TimeJet, TimeJet]:
     """A point of the ground that is moved."""
-    x, z = at(Moving(t, 1.0))
-    return moving(x), moving(z)
+    x, z = at(TimeJet(t, 1.0))
+    return time_jet(x), time_jet(z)
 
 
 def _at(end: Any) -> tuple[Any, Any]:
     return (0.0, 0.0) if not isinstance(end, Point) or callable(end.at) else end.at
 
 
-def _part(end: Any, number: int, places: Places) -> Moving:
+def _part(end: Any, number: int, places: Places) -> TimeJet:
     """The angle of an end, or its place along a line; of the ground zero."""
-    return Moving(0.0) if end is None else places[body_of(end)][number]
+    return TimeJet(0.0) if end is None else places[body_of(end)][number]
 
 
 def shares(links: list[PlacedLink], t: Numeric, places: Places) -> dict[str, tuple[Any, Any, Any]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from stickslip.basics.time_rates import Moving
+from stickslip.basics.time_rates import TimeJet, time_jet
 from stickslip.models.linear_equations import product, total
 from stickslip.models.mechanics import Numbers
 
@@ -45,14 +45,14 @@ class Energies:
         self.model, self.names = model, names
         self._direct = inertia_of_machine(model, dict.fromkeys(names, 0.0)) is not None
 
-    def _of(self, q: Numbers, u: Numbers) -> Moving:
+    def _of(self, q: Numbers, u: Numbers) -> TimeJet:
         """Kinetic energy."""
         named = (dict(zip(self.names, of, strict=True)) for of in (q, u))
-        return moving(kinetic_of_machine(self.model, *named))
+        return time_jet(kinetic_of_machine(self.model, *named))
 
-    def _entries(self, q: Numbers) -> list[list[Moving]]:
+    def _entries(self, q: Numbers) -> list[list[TimeJet]]:
         given = inertia_of_machine(self.model, dict(zip(self.names, q, strict=True)))
-        return [[moving(entry) for entry in row] for row in given]
+        return [[time_jet(entry) for entry in row] for row in given]
 
     def matrix(self, q: Numbers) -> tuple[Parts, ...]:
         """The matrix; of a kinetic energy its second derivatives by the rates."""
@@ -61,7 +61,7 @@ class Energies:
         n = len(q)
 
         def second(*along: int) -> Any:
-            return self._of(q, [Moving(0.0, 1.0 if k in along else 0.0) for k in range(n)]).second
+            return self._of(q, [TimeJet(0.0, 1.0 if k in along else 0.0) for k in range(n)]).second
 
         own = [second(j) for j in range(n)]
         both = {(i, j): 0.5 * (second(i, j) - own[i] - own[j]) for i in range(n) for j in range(i + 1, n)}
@@ -73,23 +73,18 @@ class Energies:
         half = []
         for j in range(n):
             if self._direct:
-                slope = self._entries([Moving(x, 1.0 if k == j else 0.0) for k, x in enumerate(q)])
+                slope = self._entries([TimeJet(x, 1.0 if k == j else 0.0) for k, x in enumerate(q)])
                 half.append(product(0.5, total(product(slope[i][k].rate, product(u[i], u[k])) for i in range(n) for k in range(n))))
             else:
-                half.append(self._of([Moving(x, 1.0 if k == j else 0.0) for k, x in enumerate(q)], u).rate)
+                half.append(self._of([TimeJet(x, 1.0 if k == j else 0.0) for k, x in enumerate(q)], u).rate)
         return tuple(total([a, product(-1.0, b)]) for a, b in zip(self.rate(q, u), half, strict=True))
 
     def rate(self, q: Numbers, u: Numbers) -> Parts:
         """dM/dt u."""
-        n, path = len(q), [Moving(x, v) for x, v in zip(q, u, strict=True)]
+        n, path = len(q), [TimeJet(x, v) for x, v in zip(q, u, strict=True)]
         if self._direct:
             M = self._entries(path)
             return tuple(total(product(M[j][k].rate, u[k]) for k in range(n)) for j in range(n))
         base, own = self._of(path, u).second, self.matrix(q)
-        seconds = (self._of(path, [Moving(v, 1.0 if k == j else 0.0) for k, v in enumerate(u)]).second for j in range(n))
+        seconds = (self._of(path, [TimeJet(v, 1.0 if k == j else 0.0) for k, v in enumerate(u)]).second for j in range(n))
         return tuple(0.5 * (second - base - own[j][j]) for j, second in enumerate(seconds))
-
-
-def moving(value: Any) -> Moving:
-    """A number as one that varies in time; a constant has no rates."""
-    return value if isinstance(value, Moving) else Moving(value)

@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.basics.errors import Problems, did_you_mean
 from stickslip.basics.fields import checked_number, everywhere
-from stickslip.basics.time_rates import Moving
+from stickslip.basics.time_rates import TimeJet
 from stickslip.models.any_coordinates import AnyCoordinates
 from stickslip.models.forces import check_law
 from stickslip.models.friction.law_adapter import is_affine
@@ -156,7 +156,7 @@ def _check_numbers(m: AnyCoordinates, problems: Problems) -> None:
     draw = random.Random(20261129)
     states = [tuple(draw.uniform(-0.9, 0.9) for _ in m.bodies) for _ in range(_LOOKS)]
     if m.has_places:
-        moved = (part for q in states for components in m.along(Moving(0.3, 1.0), q).values() for part in components)
+        moved = (part for q in states for components in m.along(TimeJet(0.3, 1.0), q).values() for part in components)
         if any(not everywhere(part.rate == 0.0) for part in moved):
             problems.add(
                 "places() vary with time, and prescribed motions of bodies are not there yet; allowed are functions of coordinates alone; "
