@@ -39,7 +39,7 @@ _TIE = 1e-12  # of a load, or of the rates that there are: what rounding may mak
 _BESIDE = 1e-10  # of itself without friction: how far beside the border a run ends, whose 24 coefficients are numbers
 _STILL = 1e-11  # of the velocity scale: a slip, or a rate of a gap, that is none
 _AT_ONCE = 1e-10  # of the time scale: points that are down within it after a hit have part in it
-_SAME = 1e-14  # of the distance of a time scale: what rounding makes of the gaps of points that land together
+_SAME = 1e-16  # of the distance of a time scale: what rounding makes of the gaps of points that land together
 
 Numbers = dict[int, Sym]
 Sides = dict[int, int]

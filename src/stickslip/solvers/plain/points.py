@@ -29,7 +29,8 @@ from stickslip.solvers.plain.plain_equations import SHORT, ContactModes, Equatio
 
 _BESIDE = 1e-12  # of the number that falls to zero where forces are infinite: a run ends before
 _STILL = 1e-10  # of the velocity scale: a slip, or a rate of a gap, that is none
-_SAME = 1e-14  # of the distance of a period: what rounding makes of the gaps of points that land together
+_AT_ONCE = 1e-10  # of a period: points that are down within it after a hit have part in it
+_SAME = 1e-16  # of the distance of a period: what rounding makes of the gaps of points that land together
 _SLACK = 1e-11  # of forces, or rates, of a combination: what rounding may make of one that agrees
 FLIES = 2  # of a combination: the point does not touch, or has no part in a hit; else 1 and -1 are its side, 0 is rest
 
@@ -341,7 +342,7 @@ class PointEquations(Equations):
         gaps, still = {i: self.z(y, i) for i in self.flying}, _STILL * self.scale_of_velocity
         touches = [*self.touches]
         for i, (gap, rate) in gaps.items():
-            late = gap - _SAME * self.scale_of_velocity * self.scale_of_time > SHORT * self.scale_of_time * -rate
+            late = gap - _SAME * self.scale_of_velocity * self.scale_of_time > _AT_ONCE * self.scale_of_time * -rate
             touches[i] = not flies[i] or i in landing or (rate < 0.0 and not late)
         before = np.array([gaps[i][1] if flies[i] else 0.0 for i in range(self.k)])
         e, points = np.array([float(law.restitution or 0.0) for law in self.laws]), Points(self, t, y, mode)
