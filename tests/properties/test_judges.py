@@ -154,8 +154,8 @@ COVERING = [
 def test_a_summary_tells_the_motion_of_its_trajectory(method, law, drive, track):
     """The load that decides what slips is that of the instant, also where it varies."""
     model, options = kinds.robot(law, drive, track), {"steps": 2000} if method == "rk4" else {}
-    many = solve(model, periods=4, method=method, keep="summary", **options)
-    one = ss.motion(solve(model, periods=4, method=method, **options))
+    many = solve(model, periods=3, method=method, keep="summary", **options)
+    one = ss.motion(solve(model, periods=3, method=method, **options))
     assert str(many.motion_type) == one.type
     # a summary looks at 5000 instants (rk4: 2000 steps) in a period, or at the ends of steps: a few borders, each off by one of these
     told = [float(getattr(many, f"{name}_fraction")) for name in ("stick", "forward", "backward")]
@@ -211,9 +211,9 @@ def test_scipy_knows_a_higher_break_away():
 
 def test_scipy_agrees_with_our_steps_for_lugre():
     robot = ss.presets.piezo_rig(**P1)
-    ours = solve(robot, periods=3, settle=1, rtol=1e-10)
+    ours = solve(robot, periods=2, settle=1, rtol=1e-10)
     for method, tolerance in (("radau", 1e-9), ("lsoda", 1e-6), ("bdf", 1e-6), ("dop853", 1e-7)):
-        run = solve(robot, periods=3, settle=1, method=method, rtol=1e-8)
+        run = solve(robot, periods=2, settle=1, method=method, rtol=1e-8)
         assert ss.mean_velocity(run) == pytest.approx(ss.mean_velocity(ours), rel=tolerance), method
         assert ss.motion(run).type == ss.motion(ours).type
         assert len(run.events) == len(ours.events)

@@ -56,9 +56,11 @@ def test_compiled_is_plain(law, drive, track):
     """
     model = robot(law, drive, track)
     dynamic, corners = adapted(model.friction).dynamic, law == "tabulated"
-    run = ss.solve(model, periods=3, rtol=1e-9)
-    judge = ss.solve(model, periods=3, method="dop853", rtol=1e-10 if dynamic and law != "karnopp" else 1e-12)  # it may step over a band
-    t = instants(model, 3)
+    periods = 3 if (law, drive, track) in ALWAYS else 2  # after the second one only z of slow laws still changes
+    run = ss.solve(model, periods=periods, rtol=1e-9)
+    rtol = 1e-10 if dynamic and law != "karnopp" else 1e-12  # at a larger one it may step over a band
+    judge = ss.solve(model, periods=periods, method="dop853", rtol=rtol)
+    t = instants(model, periods)
     assert run.method in (("Rodas5P", "Taylor16", "Taylor18") if dynamic else ("exact",)) and judge.method == "dop853"
     assert run.at(t)["v"] == pytest.approx(judge.at(t)["v"], abs=(1e-7 if dynamic else 1e-7 if corners else 1e-9) * model.free_velocity)
     if not dynamic:

@@ -286,6 +286,27 @@ def continuation(
     start, stop = _check(robots, start, stop, step, points)
     report = reporting(progress, "continuation")
     first = periodic_orbit(robots.robot(start), period, guess, section=section, turns=turns, rtol=rtol)
+    branch = _followed(robots, first, start, stop, step, points, own, report)
+    asked = asked_for("continuation", section, first.model)
+    return _at_switches(branch, str(asked.name)) if asked.switch else branch
+
+
+def stable_branch(
+    make: Maker, parameter: str, start: float, stop: float, *, period: int | None = None, guess: Any = None,
+    step: float = 0.02, points: int = 400, rtol: float = RTOL, **fixed: Any,
+) -> Branch:  # fmt: skip
+    """As `continuation`, to the first point where the stability changes; borders of types, which take most of the time, are left out."""
+    robots = family("continuation", make, (parameter,), fixed)
+    first = periodic_orbit(robots.robot(start), period, guess, rtol=rtol)
+    return _followed(robots, first, start, stop, step, points, while_stable=True)
+
+
+def _followed(
+    robots: Family, first: PeriodicOrbit, start: float, stop: float, step: float, points: int,
+    events: Mapping[str, Event] | None = None, report: Reported = lambda *state: None, while_stable: bool = False,
+) -> Branch:  # fmt: skip
+    """The branch of an orbit at the start of a range."""
+    (parameter,) = robots.parameters
     path = path_of(robots, first, float(start), abs(float(stop) - float(start)), first.period)
     root = path.at_value(path.scaled(first, start), start, path.remembered(first))
     if not root.good:
@@ -298,11 +319,9 @@ def continuation(
         raise SolveError(
             f"at {parameter} = {start:.9g} {SIDE_BY_SIDE}; give the machine a property that distinguishes them, such as damping"
         )
-    whole = trace_branch(path, begun, min(start, stop), max(start, stop), step, points, own, report)
+    whole = trace_branch(path, begun, min(start, stop), max(start, stop), step, points, events, report, while_stable)
     report(whole.ended, len(whole.points), len(whole.points))
-    branch = _branch(robots, first.period, whole, own)
-    asked = asked_for("continuation", section, first.model)
-    return _at_switches(branch, str(asked.name)) if asked.switch else branch
+    return _branch(robots, first.period, whole, events or {})
 
 
 def _at_switches(branch: Branch, name: str) -> Branch:

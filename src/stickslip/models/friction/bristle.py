@@ -83,8 +83,8 @@ class Bristle(Law):
         switches: list[tuple[Any, Any, Any]] = []
         z = each(z)
         for i in range(self.bristles):
-            snapped = tuple(n + (j == i) for j, n in enumerate(mode))
-            bent = tuple(reach * _draw(self.seed, i, int(mode[i])) if j == i else zj for j, zj in enumerate(z))
+            snapped = (*mode[:i], mode[i] + 1, *mode[i + 1 :])
+            bent = (*z[:i], reach * _draw(self.seed, i, int(mode[i])), *z[i + 1 :])
             switches.append((abs(reach) - by_side(v, z[i], -z[i]), snapped, alone_or_all(bent)))
         return switches
 

@@ -22,6 +22,8 @@ __all__ = ["bristle_is_slow", "dahl_without_stick_slip"]
 SPRING = 400.0
 #: Fraction of a drive period run with the bristle model, and periods of the robot under Dahl friction, with scipy's DOP853.
 PART, PERIODS = 0.3, 8
+#: The same in the fast subset.
+FAST_PART, FAST_PERIODS = 0.25, 4
 #: Threshold of rest, relative to the largest speed of the body.
 STILL = 0.02
 _PLAIN: dict[str, Any] = {"method": "dop853", "rtol": 1e-6}
@@ -38,16 +40,17 @@ def dahl_without_stick_slip(study: ClaimData) -> PaperClaim:
         setup = Setup(law, load, mass, stiffness=SPRING, plain=True)
         numbers |= {f"{name}_{q.key}": q.value for e in (steady_friction(setup), stick_slip(setup)) for q in e.numbers}
     folded = {"Coulomb": Coulomb(own.mu_plus, own.mu_minus), "Dahl": Dahl(own.mu_plus, own.mu_minus, own.sigma0)}
-    rests = {name: _still(replace(robot, friction=law)) for name, law in folded.items()}
+    periods = FAST_PERIODS if study.fast else PERIODS
+    rests = {name: _still(replace(robot, friction=law), periods) for name, law in folded.items()}
     sticks = not numbers["dahl_stick_slip"] and numbers["lugre_stick_slip"]
     hold = (numbers["dahl_fall"] == 0, sticks, rests["Dahl"] < 0.5 * rests["Coulomb"])
-    values = {"spring": SPRING, "periods": PERIODS, "still": STILL}
+    values = {"spring": SPRING, "periods": periods, "still": STILL}
     return judged("dahl_without_stick_slip", all(hold[:2]), {**numbers, "share_still": rests}, [(part, {}) for part in hold], **values)
 
 
-def _still(robot: Any) -> float:
+def _still(robot: Any, periods: int) -> float:
     """Fraction of the last of some periods in which the body is nearly at rest."""
-    run = solve(robot, periods=PERIODS, **_PLAIN)
+    run = solve(robot, periods=periods, **_PLAIN)
     v = abs(run.at(np.linspace(run.strobe_times[-2], run.strobe_times[-1], 2001))["v"])
     return float(np.mean(v < STILL * v.max()))
 
@@ -55,7 +58,8 @@ def _still(robot: Any) -> float:
 def bristle_is_slow(study: ClaimData) -> PaperClaim:
     """Bristle model: tiny steps, long simulations."""
     robot = rig(EXPERIMENTS[0])
-    own, time = robot.friction, PART * float(robot.period)
+    part = FAST_PART if study.fast else PART
+    own, time = robot.friction, part * float(robot.period)
     laws = {"lugre": own, "bristle": Bristle(own.mu_plus, own.mu_minus, own.sigma0)}
     runs = {name: solve(replace(robot, friction=law), duration=time, **_PLAIN) for name, law in laws.items()}
     counts = {name: {n: int(c) for n, c in run.counts.items()} for name, run in runs.items()}
@@ -70,7 +74,7 @@ def bristle_is_slow(study: ClaimData) -> PaperClaim:
         tiny,
         {"counts": counts, "snaps": snaps, "path": path, "path_of_a_period": whole},
         [(tiny, {}), (None, {})],
-        part=PART,
+        part=part,
         step=time / counts["bristle"]["steps"],
         snaps_of_a_period=100 * round(whole / path["bristle"] * snaps / 100),
         ends=ends,

@@ -13,7 +13,7 @@ import numpy as np
 from stickslip.basics.whole_files import unwritable, write_whole
 from stickslip.show.figures.style import SHADE, WIDTH, publication
 from stickslip.show.paper.sentences import filled, texts
-from stickslip.show.reports.drawn import svg
+from stickslip.show.reports.drawn import laid_out, svg
 
 __all__ = ["COULOMB", "LUGRE", "MEASURED", "Picture", "render", "sampled_motion", "shade_rest"]
 
@@ -71,12 +71,12 @@ def render(
         whole = Figure(figsize=(WIDTH * min(columns, len(panels)), height * rows))
         for position, draw in enumerate(panels, start=1):
             draw(whole.add_subplot(rows, min(columns, len(panels)), position))
+        laid_out(whole)  # for both files
         files = tuple(folder / f"{key}.{kind}" for kind in ("png", "svg"))
         for file in files:
             drawn = io.BytesIO()
             whole.savefig(drawn, format=file.suffix[1:], metadata={"Date": None} if file.suffix == ".svg" else {})
             write_whole(file, drawn.getvalue(), unwritable("reproduce"))
-            whole.set_layout_engine("none")  # the second file reuses the layout of the first, which halves the work
         alone = tuple(svg(draw, WIDTH, height, f"{key}-{i}") for i, draw in enumerate(panels))
         words = dict(texts("pictures")[text or key])
         alt = words.pop("alt")

@@ -84,7 +84,7 @@ def stable_range(
 ) -> Followed:
     """Follow the stable motion at `start` down and up, to the first border at which it loses stability, or to the ends of the range.
 
-    `fixed` are other numbers of the robot; `how`, such as guess, step, points and rtol, is for `continuation`.
+    `fixed` are other numbers of the robot; `how`, such as guess, step, points and rtol, is for `stable_branch`.
     """
     how, fixed = {"step": 0.2, "points": 100, "rtol": RTOL} | how, fixed or {}
     ends: list[End] = []
@@ -101,10 +101,10 @@ def stable_range(
 
 
 def _branch(parameter: str, start: float, stop: float, **more: Any) -> Any:
-    from stickslip.dynamics.continuation.branches import continuation
+    from stickslip.dynamics.continuation.branches import stable_branch
     from stickslip.models.presets import piezo_rig
 
-    return continuation(piezo_rig, parameter=parameter, start=start, stop=stop, tilt_deg=1.7, **more)
+    return stable_branch(piezo_rig, parameter, start, stop, tilt_deg=1.7, **more)
 
 
 def _end(branch: Any, stop: float) -> tuple[End, Any]:

@@ -69,6 +69,17 @@ class Stretch:
 
     def at(self, s: float, path: Path | None = None) -> Point | None:
         """The point that lies so far along it, if it is found; of the same branch with other tolerances, if its path is given."""
-        path = self.path if path is None else path
+        if path is not None:
+            return self._corrected(s, path)
+        if s not in self._asked:  # several searches halve the same stretch
+            self._asked[s] = self._corrected(s, self.path)
+        return self._asked[s]
+
+    @cached_property
+    def _asked(self) -> dict[float, Point | None]:
+        """Its points so far, by how far along they lie."""
+        return {}
+
+    def _corrected(self, s: float, path: Path) -> Point | None:
         root = path.corrected(self.guess(s), self.along, path.remembered(self.a.orbit))
         return path.point(root, self.along) if root.good else None

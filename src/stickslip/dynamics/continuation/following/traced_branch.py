@@ -41,8 +41,12 @@ def trace_branch(
     most: int,
     events: Mapping[str, Event] | None = None,
     report: Reported = lambda *state: None,
+    while_stable: bool = False,
 ) -> BranchTrace:
-    """A branch from its first point until it leaves the range, with what lies between the points, and zeros of events of one's own."""
+    """A branch from its first point until it leaves the range, with what lies between the points, and zeros of events of one's own.
+
+    `while_stable` follows it to the first point where its stability changes, and looks for no borders of types on the way.
+    """
     slack = 1e-12 * (high - low)
     points_so_far, ended = [first], ""
     special: list[Special] = []
@@ -65,11 +69,14 @@ def trace_branch(
                 break
             if not low <= item.value <= high:
                 item = _clipped(path, last, item, low if item.value < low else high)
-            for s in located(path, last, item, events):
+            for s in located(path, last, item, events, borders=not while_stable):
                 there = _special(path, points_so_far, item, s)
                 special += [] if isinstance(path, CyclePath) and _known(special, there) else [there]
             points_so_far.append(item)
             report(f"{path.family.parameters[0]} = {item.value:.6g}", len(points_so_far), most)
+            if while_stable and (border := next((s for s in special if s.changes_stability), None)):
+                ended = f"its stability changes at {path.family.parameters[0]} = {border.rounded}"
+                break
     ended = f"it was {ending.words}" if ending.interrupted else ended
     if ended.startswith(STOPPED):
         ended, border = _ended(path, points_so_far, ended)

@@ -45,8 +45,8 @@ class Located(NamedTuple):
     value: float | None = None
 
 
-def located(path: Path, a: Point, b: Point, events: Mapping[str, Event] | None = None) -> list[Located]:
-    """Every special point between a and b, in order; zeros of events of one's own among them."""
+def located(path: Path, a: Point, b: Point, events: Mapping[str, Event] | None = None, borders: bool = True) -> list[Located]:
+    """Every special point between a and b, in order; zeros of events of one's own among them, and borders of types if asked for."""
     on = Stretch(path, a, b)
     points = _crossed(path, a, b) if a.crossing * b.crossing < 0 else []
     if a.fold * b.fold < 0 and not points:
@@ -59,8 +59,9 @@ def located(path: Path, a: Point, b: Point, events: Mapping[str, Event] | None =
         points.append(Located("flip", there, (), _accuracy(on, there, attrgetter("flip"))))
     if a.turning * b.turning < 0:
         points += _turning(on)
-    points += _changes(on, _reversals, lambda x, y: "grazing", _said_of_reversals) if _is_dynamic(a.orbit) else []
-    points += _changes(on, _word, partial(_kind_of_change, a.orbit), _said_of_words)
+    if borders:
+        points += _changes(on, _reversals, lambda x, y: "grazing", _said_of_reversals) if _is_dynamic(a.orbit) else []
+        points += _changes(on, _word, partial(_kind_of_change, a.orbit), _said_of_words)
     for name, event in (events or {}).items():
         points += _event(on, name, event)
     return sorted(points, key=lambda item: (item.point.u - a.u) @ on.along)
