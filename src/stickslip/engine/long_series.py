@@ -27,7 +27,7 @@ WIDER = 5.0  # times as large as the next term of a series is one at the end of 
 
 def write_step(eq: System) -> Step:
     """The lines of the series: `stickslip.engine.taylor.write_step`."""
-    return LongSeriesWriter(eq, HIGHER).write()
+    return LongSeriesWriter(eq).write()
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,12 @@ class _Apart:
 
 class LongSeriesWriter(SeriesWriter):
     """The lines of such a step."""
+
+    order = HIGHER
+
+    @property
+    def _near_pole(self) -> float:
+        return float(2.0**-self.order)
 
     def _series(self) -> None:
         resting, far = dict[str, list[int]](), dict[int, str]()

@@ -19,7 +19,6 @@ from stickslip.engine.symbols import Sym, TraceError, is_zero, slope_of
 from stickslip.engine.write import Writer
 
 ZERO = "0.0"
-SHORT = 16  # order up to which sums of products are one loop
 
 
 @dataclass(frozen=True)
@@ -503,8 +502,8 @@ class RowWriter:
 
     @property
     def _in_halves(self) -> bool:
-        """Whether sums of products are two halves at once, which do not wait for one another, and squares one: of long series."""
-        return self.order > SHORT and not self.out
+        """Whether sums of products are two halves at once, which do not wait for one another: of long series, where sums are few."""
+        return bool(self.graph.linear) and not self.out
 
     def _write_halves(self) -> None:
         """The same from the middle, m // 2, to both ends: there one product or, where m is odd, a pair, and then pairs.

@@ -22,7 +22,6 @@ from stickslip.engine.values import needed_by
 from stickslip.engine.write import LOG_OF_BITS, Writer, horner, literal
 
 ORDER = 16
-HIDDEN = 18  # order where a slope is no polynomial, so that nearly all steps end where their series do: a fifth fewer, each a tenth dearer
 LONGEST = 0.25  # of a period
 ROUNDING = 1e-16  # of a state's scale: what a step may leave out
 MOST_CHECKED = 3  # states: of more, each lane is checked for itself
@@ -35,7 +34,7 @@ Polynomial = tuple[str, str, str, str]
 
 def write_step(eq: System) -> Step:
     """The lines of the series: _k of states, _g of guards, _e of exponents, in units of the step; its length _hh; if it is the _last."""
-    return SeriesWriter(eq, HIDDEN if hides(eq) else ORDER).write()
+    return SeriesWriter(eq).write()
 
 
 def watched(eq: System) -> list[int]:
@@ -95,8 +94,10 @@ def slips_of(eq: System, guard: Sym) -> list[TracedContact]:
 class SeriesWriter:
     """The lines of a step, and what a lane holds of it."""
 
-    def __init__(self, eq: System, order: int):
-        self.eq, self.order, self.w = eq, order, Writer()
+    order = ORDER
+
+    def __init__(self, eq: System):
+        self.eq, self.w = eq, Writer()
         self._held: set[int] = set()  # numbers of the expressions that `_hold` has been given
         self.watched = [(k, eq.guards[k]) for k in watched(eq)]
         self.rising = active(eq, "exp") | active(eq, "tanh")
@@ -215,7 +216,7 @@ class SeriesWriter:
     @property
     def _near_pole(self) -> float:
         """What the last terms of a quotient are at most, in parts of it."""
-        return min(NEAR_POLE, float(2.0**-self.order))
+        return NEAR_POLE
 
     def _of_quotients(self) -> list[tuple[Sym, str]]:
         """The same of quotients."""

@@ -18,7 +18,7 @@ from stickslip.engine.system import System
 from stickslip.engine.write import Writer
 
 FLOOR = -45.0  # e to this is 3e-20: an exponential below it is nothing beside the friction of which it is a part
-NEAR_POLE = 1e-5  # of a quotient: its last terms in a step are at most this, or 2 to minus a higher order, which is half the way to a pole
+NEAR_POLE = 1e-5  # of a quotient: its last terms in a step are at most this, which is half the way to a pole
 #: A motion from rest has positions that go as t^2 and velocities as t. A product of states of a *weight* w, 2 for each position in it
 #: and 1 for each velocity, leaves every w-th coefficient of a velocity, and the one after it of a position, that are not zero.
 #: Up to these weights the last two of 16 coefficients show one of them, and the last `LAST` of the order that a varying inertia has.

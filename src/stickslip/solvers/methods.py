@@ -124,7 +124,7 @@ class LocalSteps:
 
 @dataclass(frozen=True)
 class TaylorSteps(Stepping):
-    """Every other set-valued law, and machines of several bodies: polynomials of order 16 to 24, exact to rounding."""
+    """Every other set-valued law, and machines of several bodies: polynomials of order 16, exact to rounding."""
 
     title: str = "Taylor steps"
     names: tuple[str, ...] = ("auto", "exact")
