@@ -333,7 +333,7 @@ class Case:
     @cached_property
     def branch(self):
         low, high = self.values
-        return ss.continuation(self.machine, parameter=self.number, start=low, stop=low + 0.05 * (high - low), step=0.3)
+        return ss.continuation(self.machine, parameter=self.number, start=low, stop=low + 0.05 * (high - low))
 
     @cached_property
     def diagram(self):

@@ -121,7 +121,7 @@ def half_map(push, state):
 
 
 def test_the_symmetry_of_a_forced_motion_breaks_where_its_half_map_has_a_multiplier_of_minus_one():
-    branch = ss.continuation(DUFFING, parameter="push", start=2.3, stop=2.5, step=0.1)
+    branch = ss.continuation(DUFFING, parameter="push", start=2.3, stop=2.5)
     ((_, push, orbit),) = branch.special
     assert "half a period later" in orbit.notes[1]
     image, slopes = half_map(push, orbit.state)
@@ -155,7 +155,7 @@ def test_symmetry_breaking_in_two_parameters_scales_as_the_equation_does():
     flow = ss.SwitchingFlow(
         {0: lambda t, y, n: (y[1], -0.2 * y[1] - n.k * y[0] ** 3 + n.push * cos(t))}, {}, 2 * np.pi, {"push": 2.3, "k": 1.0}, ("x", "v")
     )
-    branch = ss.continuation(flow, parameter="push", start=2.3, stop=2.5, step=0.1)
+    branch = ss.continuation(flow, parameter="push", start=2.3, stop=2.5)
     curve = ss.dynamics.special_curve(branch, branch.special[0], "k", stop=1.1, step=0.1)
     assert curve.ended == "it reached the end of the range"
     np.testing.assert_allclose(curve.values[:, 0] * np.sqrt(curve.values[:, 1]), branch.special[0].value, rtol=0, atol=1e-8)  # x by sqrt(k)
@@ -164,8 +164,8 @@ def test_symmetry_breaking_in_two_parameters_scales_as_the_equation_does():
 @pytest.mark.slow
 def test_a_machine_breaks_its_symmetry_where_the_same_flow_does():
     start = Ueda(push=2.3, friction=ss.Viscous(0.2, 0.2))
-    (here,) = ss.continuation(start, parameter="push", start=2.3, stop=2.5, step=0.1, guess=ss.solve(start, periods=80)).special
-    (there,) = ss.continuation(DUFFING, parameter="push", start=2.3, stop=2.5, step=0.1).special
+    (here,) = ss.continuation(start, parameter="push", start=2.3, stop=2.5, guess=ss.solve(start, periods=80)).special
+    (there,) = ss.continuation(DUFFING, parameter="push", start=2.3, stop=2.5).special
     assert here.kind == "branch-point" and abs(here.value - there.value) <= here.accuracy + there.accuracy < 1e-8
 
 
@@ -173,7 +173,7 @@ def test_a_machine_breaks_its_symmetry_where_the_same_flow_does():
 def test_the_symmetry_of_a_motion_with_bristles_breaks_too():
     law = ss.LuGre(0.02, 0.02, f_plus=0.03, f_minus=0.03, sigma0=100.0, sigma1=0.1, sigma2=0.0, v_s=0.1)
     start = Ueda(push=2.3, friction=law, damping=0.2)
-    branch = ss.continuation(start, parameter="push", start=2.3, stop=2.5, step=0.1, guess=ss.solve(start, periods=80))
+    branch = ss.continuation(start, parameter="push", start=2.3, stop=2.5, guess=ss.solve(start, periods=80))
     (point,) = branch.special
     assert point.kind == "branch-point" and point.accuracy < 1e-8 and "half a period later" in point.orbit.notes[1]
     assert min(abs(point.orbit.differences - 1.0)) < 1e-6, "by differences of the strobe map"

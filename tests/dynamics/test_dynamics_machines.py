@@ -268,13 +268,13 @@ def test_a_branch_along_the_phase_passes_the_known_chains(orbits):
 
 def test_a_capsule_doubles_its_period_where_its_runs_do():
     """The flip of the published capsule's preset: continuation against runs on both sides, and both in one picture."""
-    branch = ss.continuation(ss.presets.capsule, parameter="omega", start=1.19, stop=1.17, step=0.2)
+    branch = ss.continuation(ss.presets.capsule, parameter="omega", start=1.19, stop=1.17)
     (flip,) = (special for special in branch.special if special.kind == "flip")
     assert flip.value == pytest.approx(1.1765165116, abs=1e-9)
     assert flip.orbit.differences[0] == pytest.approx(-1.0, abs=1e-6), "by differences of the strobe map"
     beside = ss.bifurcation(ss.presets.capsule, parameter="omega", values=flip.value + np.array([-4e-3, 4e-3]), settle=1500, follow=False)
     assert beside.period.values.tolist() == [[2, 1]]
-    doubled = branch.doubled(stop=1.17, step=0.1)
+    doubled = branch.doubled(stop=1.17)
     ax = ss.plot.continuation([branch, doubled], diagram=beside)
     assert ax.get_ylabel() == "velocity of body on the strobe (mm/s)"
     assert {"flip", "unstable", "brute force"} <= {text.get_text() for text in ax.get_legend().get_texts()}

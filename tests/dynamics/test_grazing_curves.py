@@ -42,7 +42,7 @@ def agrees(curve, expected, wanted):
 
 
 def test_the_grazing_of_a_wall_is_where_the_free_swing_reaches_it():
-    branch = ss.continuation(wall(), parameter="gap", start=0.35, stop=0.325, step=0.2)
+    branch = ss.continuation(wall(), parameter="gap", start=0.35, stop=0.325)
     grazing = first(branch, "grazing")
     curve = ss.dynamics.special_curve(branch, grazing, "omega", stop=2.15, step=0.4)
     agrees(curve, swing, 1e-9)
@@ -104,7 +104,7 @@ def test_a_capsule_grazes_its_stop_where_the_inner_mass_swings_so_far():
     capsule = lambda gap, omega=0.6: ss.presets.capsule(force_ratio=1.0, omega=omega, mass_ratio=4.0, gap=gap, reaction=True)  # noqa: E731
     begin = float(swing(0.6, 0.1)) + 0.05
     guess = ss.periodic_orbit(capsule(begin)).state
-    branch = ss.continuation(capsule, parameter="gap", start=begin, stop=begin - 0.1, step=0.1, guess=guess)
+    branch = ss.continuation(capsule, parameter="gap", start=begin, stop=begin - 0.1, guess=guess)
     agrees(ss.dynamics.special_curve(branch, first(branch, "grazing"), "omega", stop=0.65), lambda omega: swing(omega, 0.1), 1e-9)
 
 
@@ -112,10 +112,10 @@ def test_a_capsule_grazes_its_stop_where_the_inner_mass_swings_so_far():
 def test_the_rest_of_a_limit_cycle_vanishes_where_a_branch_beside_it_says():
     law = ss.Stribeck(1.0, 1.0, f_plus=1.5, f_minus=1.5, v_s=0.5)
     belt = lambda speed, damping=0.1: ss.BlockOnBelt(mass=1.0, stiffness=1.0, speed=speed, damping=damping, friction=law)  # noqa: E731
-    branch = ss.continuation(belt, parameter="speed", start=0.3, stop=2.0, step=0.1)
+    branch = ss.continuation(belt, parameter="speed", start=0.3, stop=2.0)
     curve = ss.dynamics.special_curve(branch, first(branch, "type-border"), "damping", stop=0.12, step=0.1)
     speed, damping = map(float, curve.values[-1])
-    there = first(ss.continuation(belt, parameter="speed", start=0.3, stop=2.0, step=0.1, damping=damping), "type-border")
+    there = first(ss.continuation(belt, parameter="speed", start=0.3, stop=2.0, damping=damping), "type-border")
     assert abs(there.value - speed) <= there.accuracy + curve.accuracy[-1, 0] and curve.accuracy[:, 0].max() < 1e-7
 
 

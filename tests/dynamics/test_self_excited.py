@@ -71,7 +71,7 @@ def _sticks_beside(law: Any, value: float, aside: float, turns: int, begun: Any 
 def test_stick_slip_ends_where_the_slide_just_reaches_the_speed_of_the_belt(name, low, high):
     """Both branches: the stable cycle that rests ends there, and the unstable one that only slides goes back from it (subcritical)."""
     end = brentq(lambda speed: _beyond(CURVES[name], speed), low, high, xtol=1e-14, rtol=1e-14)
-    branch = ss.continuation(belt(LAWS[name]), parameter="speed", start=0.6, stop=0.75, guess=dict(x=0.6, v=0.6), step=0.15)
+    branch = ss.continuation(belt(LAWS[name]), parameter="speed", start=0.6, stop=0.75, guess=dict(x=0.6, v=0.6), step=0.05)
     (border,) = [s for s in branch.special if s.kind == "type-border"]
     assert border.value == pytest.approx(end, abs=1e-11) and border.accuracy < 1e-9
     rests = np.array(["0" in orbit.pattern for orbit in branch.orbits])
@@ -294,7 +294,7 @@ def test_a_drill_string_stops_sticking_at_a_torque_and_begins_again_at_a_smaller
     """Steady rotation is stable down to a Hopf point, the cycle that sticks goes on up to a torque at which its rest vanishes."""
     string = DrillString(6900.0)
     run = ss.solve(string, duration=300.0, start={"x": {"top": 7.0}})
-    branch = ss.continuation(string, parameter="torque", start=6900.0, stop=7400.0, guess=run, points=40, step=0.3)
+    branch = ss.continuation(string, parameter="torque", start=6900.0, stop=7400.0, guess=run, points=40, step=0.1)
     (end,) = [s for s in branch.special if s.kind == "type-border"]
     assert end.accuracy < 1e-7 and end.value == pytest.approx(_touch(), abs=end.accuracy)
     speed = brentq(_growth, 1.0, 12.0, xtol=1e-13)

@@ -96,7 +96,7 @@ def test_continuation_finds_where_rest_appears():
     """The border of motion types in F is V / sqrt(1/R^4 + U^2), known in closed form."""
     V, U = 1 / (1 - R**2), math.tan(math.pi / (2 * R)) / R
     border = V / math.sqrt(1 / R**4 + U**2)
-    branch = ss.continuation(DEN_HARTOG, parameter="F", start=border - 0.1, stop=border + 0.1, step=0.1, guess={"x": 0.9, "v": 0.8})
+    branch = ss.continuation(DEN_HARTOG, parameter="F", start=border - 0.1, stop=border + 0.1, guess={"x": 0.9, "v": 0.8})
     found = [s for s in branch.special if s.kind in ("type-border", "grazing")]
     assert found and abs(found[0].value - border) < max(10 * found[0].accuracy, 1e-9) and found[0].accuracy < 1e-6
     assert {"x", "v", "pattern", "largest_multiplier"} <= set(branch.points)
@@ -111,7 +111,7 @@ def impacts(omega=2.0):
 
 def test_impacts_double_their_period_where_a_multiplier_passes_minus_one():
     """The flip of the branch, the motion of two periods beyond it in a sweep, and the branch that leaves there."""
-    branch = ss.continuation(impacts(), parameter="omega", start=2.3, stop=2.48, step=0.1)
+    branch = ss.continuation(impacts(), parameter="omega", start=2.3, stop=2.48)
     (flip,) = (s for s in branch.special if s.kind == "flip")
     assert np.min(abs(flip.orbit.multipliers + 1.0)) < 1e-7 and flip.accuracy < 1e-6
     beside = [flip.value - 0.01, flip.value + 0.01]
@@ -129,7 +129,7 @@ def test_impacts_double_their_period_where_a_multiplier_passes_minus_one():
 def test_a_branch_passes_the_gap_at_which_a_wall_is_grazed():
     """The free swing reaches 1/sqrt((1 - w^2)^2 + (c w)^2). Beyond it the motion with one hit goes on, steep at first."""
     swing = 1.0 / math.sqrt((1 - 4.0) ** 2 + (0.2 * 2.0) ** 2)
-    branch = ss.continuation(impacts(2.0), parameter="gap", start=0.4, stop=0.25, step=0.1)
+    branch = ss.continuation(impacts(2.0), parameter="gap", start=0.4, stop=0.25)
     grazing = next(s for s in branch.special if s.kind == "grazing")
     assert abs(grazing.value - swing) <= grazing.accuracy < 1e-9 and branch.values[-1] == 0.25
     assert [len(branch.orbits[k].events) for k in (0, -1)] == [0, 1]
@@ -360,7 +360,7 @@ def test_equal_flows_of_the_tests_and_of_the_table(ball):
 def test_branches_of_a_flow_are_drawn_over_its_diagram():
     """The cloud has the points of the diagram, in its first state; of two periods both lie on the branch that doubles."""
     values = [2.40, 2.42, 2.44, 2.46]
-    branch = ss.continuation(impacts(), parameter="omega", start=2.3, stop=2.48, step=0.1)
+    branch = ss.continuation(impacts(), parameter="omega", start=2.3, stop=2.48)
     (flip,) = (s for s in branch.special if s.kind == "flip")
     near = dict(zip(("x", "v"), map(float, flip.orbit.state), strict=True))  # from rest it is another motion, of six periods
     diagram = ss.bifurcation(impacts(), parameter="omega", values=values, settle=400, points=8, start=near, follow=False)
