@@ -111,12 +111,12 @@ def kept_columns(plan: Plan) -> tuple[str, ...]:
         return plan.columns
     machine = None if plan.sample is None else machine_of(plan.sample)
     cycles = settled_after("sweep", plan.sample, plan.options["settle"], plan.options["duration"]) is not None
-    without = {*plan.space.columns, *plan.space.dims, *(() if cycles else OF_CYCLES), *_not_of(machine)}
+    without = {*plan.space.columns, *plan.space.dims, *(() if cycles else OF_CYCLES), *columns_not_of(machine)}
     without |= set() if plan.sample is not None and _alphas(plan.sample, without) else set(ALPHAS)
     return (*(name for name in COLUMNS if name not in without), *plan.observed)
 
 
-def _not_of(machine: MachineAdapter | None) -> set[str]:
+def columns_not_of(machine: MachineAdapter | None) -> set[str]:
     """Columns that do not apply to a machine; None counts as a robot."""
     if machine is None or not machine.names_parts:
         return {*parts.OF_SEVERAL, "friction_power"}
@@ -196,7 +196,7 @@ def columns_of(
     if notes is not None:
         notes.update(notes_of_cases(many.model, many.columns))
     names = machine_of(robot).part_names
-    without = _not_of(machine_of(robot))
+    without = columns_not_of(machine_of(robot))
     columns_kept = {name: many.columns[name] for name in COLUMNS if name in many.columns and name not in without}
     observed, derived = by_time_of_computation(options.get("observe"))
     columns_kept |= {name: many.columns[name] for name in observed}

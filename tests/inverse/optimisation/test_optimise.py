@@ -234,6 +234,7 @@ TWO = robot(ss.drives.TwoPhase(stroke=0.01, u1=0.1, u2=0.1))
         (dict(over={"gravity": ss.optimisation.waveform(pieces=4)}, subject_to=BOUNDED), "is not a drive"),
         (dict(over={"drive": ss.optimisation.waveform(pieces=4)}), '"relative_acceleration"'),
         (dict(over={"drive.u1": (0.1, 0.2)}, subject_to={"strok": (None, 0.01)}), "did you mean 'stroke'"),
+        (dict(over={"drive.u1": (0.1, 0.2)}, subject_to={"friction_power": (None, 1.0)}), "is not a quantity that can be limited"),
         (dict(over={"drive.u1": (0.1, 0.2)}, subject_to={"stroke": (0.02, 0.01)}), "cannot be satisfied"),
         (dict(over={"drive.u1": (0.1, 0.2)}, subject_to={"stroke": (None, 0.001)}), "nearest: 0.01"),
         (dict(over={"drive.u1": (0.1, 0.2)}, minimise="drive_power"), "allowed is one of them"),

@@ -129,9 +129,11 @@ def test_a_fit_is_propagated_by_its_covariance(fit):
     assert found.indices.total["mu0"] == pytest.approx(1.0, abs=0.05)
 
 
-def test_a_fit_of_another_machine_is_told(fit):
+def test_what_a_machine_does_not_have_is_told(fit):
     with pytest.raises(ss.InputError, match="does not have"):
         ss.optimisation.propagate(ROBOT.replace(friction=ss.Viscous.example()), uncertain=fit)
+    with pytest.raises(ss.InputError, match="of = 'impulse_max'; allowed is a number of a run"):
+        ss.optimisation.propagate(ROBOT, uncertain=fit, of="impulse_max")
 
 
 def test_what_a_fit_does_not_know_is_told():

@@ -25,7 +25,8 @@ from stickslip.models.machine_adapter import machine_of
 from stickslip.studies.models_of_points import Group, starts_at
 from stickslip.studies.planning import SOLVER
 from stickslip.studies.result_columns import COLUMNS, concatenated, dim_of, part_columns
-from stickslip.studies.solving import columns_of_group
+from stickslip.studies.self_excited import OF_CYCLES
+from stickslip.studies.solving import ALPHAS, columns_not_of, columns_of_group
 
 #: Drive periods that a motion is given to settle.
 PERIODS = 400
@@ -89,11 +90,17 @@ def _columns_of_piece(options: dict[str, Any], piece: tuple[int, Group]) -> dict
 
 
 def quantities(model: Model) -> list[str]:
-    """Names of the results of a machine that are numbers."""
-    known = [name for name, kind in COLUMNS.items() if kind == "f8" and name not in ("alpha_plus", "alpha_minus")]
-    if not machine_of(model).names_parts:
-        return [name for name in known if name not in ("body_velocity", "body_displacement", "slip_max", "slip_min")]
-    return [name for name in known if name not in ("drive_power", "cost_of_transport")]
+    """Names of the columns of a sweep over a machine that are numbers.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = quantities(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4))
+    >>> [name in robot for name in ("cost_of_transport", "friction_power", "impulse_max")]
+    [True, False, False]
+    """
+    without = {*ALPHAS, *columns_not_of(machine_of(model)), *(() if model.period is None else OF_CYCLES)}
+    return [name for name, kind in COLUMNS.items() if kind == "f8" and name not in without]
 
 
 def unit_of_result(name: str, model: Model) -> str:
