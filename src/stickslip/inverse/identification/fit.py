@@ -15,7 +15,7 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible
 from stickslip.basics.notebook_display import Face, Text, drawn_on, sure
 from stickslip.basics.presenting import presenter
-from stickslip.inverse.identification import formulas, next_experiment, posterior as distribution, sampling, uncertainty
+from stickslip.inverse.identification import formulas, next_experiment, posterior as distribution, profiles, sampling, uncertainty
 from stickslip.inverse.identification.bootstrapping import by_bootstrap
 from stickslip.inverse.identification.covariance import correlated, correlations_of, from_the_input, information_of, lost_to_the_input
 from stickslip.inverse.identification.fit_text import OVER_MOTION
@@ -267,7 +267,7 @@ class Fit(Face):
         wider = self.changes is not None or (self.misfit is not None and not self.misfit.is_none)  # by what no profile has in it
         rough = "either" if wider and np.isfinite(self.errors[name]) else "profile"
         method = (rough if name in self.bent else "covariance") if method == "auto" else method
-        ways = {"covariance": uncertainty.by_covariance, "profile": uncertainty.by_profile, "either": uncertainty.by_either}
+        ways = {"covariance": uncertainty.by_covariance, "profile": profiles.by_profile, "either": uncertainty.by_either}
         by: Any = by_bootstrap if method == "bootstrap" else ways[method]
         whole = (float("nan"),) * 2 if part == "statistical" else by(self, name, level, **options)
         noise = (float("nan"),) * 2 if part == "total" else by(uncertainty.calibrated(self, name), name, level, **options)
@@ -279,10 +279,10 @@ class Fit(Face):
         return {name: self.interval(name) for name in self.names}
 
     determined = cached_property(formulas.combinations)
-    open = cached_property(uncertainty.open_parameters)
-    bent = cached_property(uncertainty.bent_parameters)
-    bent_nearby = cached_property(uncertainty.bent_nearby)
-    beside_open = cached_property(uncertainty.beside_open)
+    open = cached_property(profiles.open_parameters)
+    bent = cached_property(profiles.bent_parameters)
+    bent_nearby = cached_property(profiles.bent_nearby)
+    beside_open = cached_property(profiles.beside_open)
     costs = cached_property(uncertainty.costs)
     symmetry = cached_property(symmetry)
     quality = cached_property(quality)
