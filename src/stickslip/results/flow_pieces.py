@@ -70,10 +70,14 @@ class FlowPieces(DensePieces):
     apart: ClassVar[tuple[str, ...]] = ("t", "end", "end_mode", "passed", "switch_times", "switch_modes")
 
     def __post_init__(self) -> None:
-        nothing = {"passed": np.empty((0, len(self.end))), "switch_times": np.empty(0), "switch_modes": np.empty((0, 2), int)}
-        given = {name: none if getattr(self, name) is None else getattr(self, name) for name, none in nothing.items()}
-        for name, value in {**given, "end_mode": int(np.ravel(self.end_mode)[0])}.items():
-            object.__setattr__(self, name, value)
+        if self.passed is None:
+            object.__setattr__(self, "passed", np.empty((0, len(self.end))))
+        if self.switch_times is None:
+            object.__setattr__(self, "switch_times", np.empty(0))
+        if self.switch_modes is None:
+            object.__setattr__(self, "switch_modes", np.empty((0, 2), int))
+        if type(self.end_mode) is not int:  # an array (1,) in files
+            object.__setattr__(self, "end_mode", int(np.ravel(self.end_mode)[0]))
         if (shape := np.shape(self.switch_modes)) != (len(self.switch_times), 2):
             raise InputError("FlowPieces", [f"switch_modes of shape {shape}; allowed is ({len(self.switch_times)}, 2), as switch_times"])
 

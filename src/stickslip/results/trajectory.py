@@ -126,7 +126,7 @@ class Trajectory(Drawn, RunFiles):
     pieces : DensePieces
         The dense output, which says what the columns hold: those of bodies and contacts, or of states by their names.
     periods, settle : int
-        Drive periods simulated, and how many of them the mean velocity excludes. Of a flow that was given a duration `periods` is None.
+        Drive periods simulated, as many as a duration begins (1 without a period), and how many of them the mean velocity excludes.
     rtol : float
         Relative tolerance of the run; of a flow that of its steps, 0 where they are exact to rounding.
     method : str

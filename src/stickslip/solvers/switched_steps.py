@@ -38,18 +38,25 @@ def run_of_parts(todo: Request, parts: list[FlowSolution], status: int = 0) -> T
 
 def pieces_of(flow: Any, parts: list[FlowSolution]) -> FlowPieces:
     """The dense output of stretches that follow one another."""
-    first, last, places = parts[0], parts[-1], {mode: k for k, mode in enumerate(flow.modes)}
+    last, places = parts[-1], {mode: k for k, mode in enumerate(flow.modes)}
     switches = [event for part in parts for event in part.events]
+    changes = [(places[event.before], places[event.after]) for event in switches]
     return FlowPieces(
-        t=np.concatenate([first.nodes, *(part.nodes[1:] for part in parts[1:])]),
-        mode=np.concatenate([part.modes for part in parts]),
-        coefficients=np.concatenate([part.coefficients for part in parts]),
-        passed=np.concatenate([part.passed for part in parts]),
+        t=_joined([part.nodes if k == 0 else part.nodes[1:] for k, part in enumerate(parts)]),
+        mode=_joined([part.modes for part in parts]),
+        coefficients=_joined([part.coefficients for part in parts]),
         end=last.state,
         end_mode=places[last.mode],
+        passed=_joined([part.passed for part in parts]),
         switch_times=np.array([event.t for event in switches]),
-        switch_modes=np.array([(places[event.before], places[event.after]) for event in switches], int).reshape(-1, 2),
+        switch_modes=np.array(changes, int).reshape(-1, 2),
     )
+
+
+def _joined(arrays: list[Array]) -> Array:
+    """Arrays one behind the other; a single one as it is, not copied."""
+    joined: Array = arrays[0] if len(arrays) == 1 else np.concatenate(arrays)
+    return joined
 
 
 def _summary(todo: Request) -> Summary:
